@@ -1,0 +1,174 @@
+use nalgebra::{Point3, Vector3};
+
+use super::{Components, Mesh, Topology, diagonal, weld};
+use crate::{Error, Result};
+
+/// What stages compute on: the triangles of a [`Mesh`], with seams welded.
+///
+/// Vertices and triangles are numbered from 0 in the order of the mesh; both maps back are kept.
+#[derive(Clone, Debug)]
+pub struct Surface {
+    /// V, #V × 3, in the unit of the file.
+    pub positions: Vec<Point3<f64>>,
+    /// F, #F × 3, counter-clockwise seen from outside.
+    pub triangles: Vec<[u32; 3]>,
+    /// The polygon of the mesh that each triangle was cut from, #F.
+    pub polygon_of: Vec<u32>,
+    /// The vertex of the surface for each vertex of the mesh.
+    pub vertex_of: Vec<u32>,
+    /// The first vertex of the mesh for each vertex of the surface, #V.
+    pub first_copy: Vec<u32>,
+}
+
+impl Surface {
+    /// The surface of `mesh`: polygons fanned from their first corner, seams welded.
+    ///
+    /// Vertices are welded where two boundaries coincide exactly and run in opposite directions.
+    ///
+    /// # Errors
+    ///
+    /// As [`Mesh::validate`].
+    pub fn new(mesh: &Mesh) -> Result<Self> {
+        mesh.validate()?;
+        let mut triangles = Vec::new();
+        let mut polygon_of = Vec::new();
+        for (polygon, corners) in mesh.polygons.iter().enumerate() {
+            for pair in corners.get(1..).unwrap_or_default().windows(2) {
+                triangles.push([corners[0], pair[0], pair[1]]);
+                polygon_of.push(polygon as u32);
+            }
+        }
+        if triangles.is_empty() {
+            return Err(Error::data("empty mesh: no polygon has three corners", "give a mesh with at least one triangle"));
+        }
+        let first_of = weld::seams(&mesh.positions, &triangles);
+        let mut number = vec![0; first_of.len()];
+        let mut first_copy = Vec::new();
+        for (vertex, &first) in first_of.iter().enumerate() {
+            if first as usize == vertex {
+                number[vertex] = first_copy.len() as u32;
+                first_copy.push(first);
+            }
+        }
+        let vertex_of: Vec<u32> = first_of.iter().map(|&first| number[first as usize]).collect();
+        for corner in triangles.iter_mut().flatten() {
+            *corner = vertex_of[*corner as usize];
+        }
+        let positions = first_copy.iter().map(|&v| mesh.positions[v as usize]).collect();
+        Ok(Self { positions, triangles, polygon_of, vertex_of, first_copy })
+    }
+
+    /// A surface of triangles that are used as they stand.
+    ///
+    /// # Errors
+    ///
+    /// As [`Mesh::validate`].
+    pub fn from_triangles(positions: Vec<Point3<f64>>, triangles: Vec<[u32; 3]>) -> Result<Self> {
+        Mesh::from_triangles(positions.clone(), &triangles).validate()?;
+        let all: Vec<u32> = (0..positions.len() as u32).collect();
+        let polygon_of = (0..triangles.len() as u32).collect();
+        Ok(Self { positions, triangles, polygon_of, vertex_of: all.clone(), first_copy: all })
+    }
+
+    /// #V.
+    pub fn vertex_count(&self) -> usize {
+        self.positions.len()
+    }
+
+    /// #F.
+    pub fn triangle_count(&self) -> usize {
+        self.triangles.len()
+    }
+
+    /// Length of the diagonal of the bounding box.
+    pub fn diagonal(&self) -> f64 {
+        diagonal(&self.positions)
+    }
+
+    /// Which triangles meet where.
+    pub fn topology(&self) -> Topology {
+        Topology::new(&self.triangles)
+    }
+
+    /// The connected components.
+    pub fn components(&self) -> Components {
+        Components::new(self.vertex_count(), &self.triangles)
+    }
+
+    /// The corners of triangle `triangle` when the vertices are at `positions`.
+    pub fn corners(&self, positions: &[Point3<f64>], triangle: usize) -> [Point3<f64>; 3] {
+        self.triangles[triangle].map(|v| positions[v as usize])
+    }
+
+    /// Twice the area of each triangle times its unit normal, #F × 3, when the vertices are at `positions`.
+    pub fn area_normals(&self, positions: &[Point3<f64>]) -> Vec<Vector3<f64>> {
+        self.triangles
+            .iter()
+            .map(|t| {
+                let [a, b, c] = t.map(|v| positions[v as usize]);
+                (b - a).cross(&(c - a))
+            })
+            .collect()
+    }
+
+    /// Barycentre of each triangle, #F × 3, when the vertices are at `positions`.
+    pub fn barycentres(&self, positions: &[Point3<f64>]) -> Vec<Point3<f64>> {
+        self.triangles
+            .iter()
+            .map(|t| {
+                let [a, b, c] = t.map(|v| positions[v as usize].coords);
+                Point3::from((a + b + c) / 3.0)
+            })
+            .collect()
+    }
+
+    /// Positions of the surface (#V) from positions of the mesh: those of each vertex's first copy.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Shape`] if `positions` does not have as many entries as the mesh has vertices.
+    pub fn from_mesh(&self, positions: &[Point3<f64>]) -> Result<Vec<Point3<f64>>> {
+        Error::check_shape("vertices", self.vertex_of.len(), positions.len())?;
+        Ok(self.first_copy.iter().map(|&v| positions[v as usize]).collect())
+    }
+
+    /// Positions of the mesh from positions of the surface (#V): every copy of a vertex gets the same.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Shape`] if `positions` does not have #V entries.
+    pub fn to_mesh(&self, positions: &[Point3<f64>]) -> Result<Vec<Point3<f64>>> {
+        Error::check_shape("vertices (#V)", self.vertex_count(), positions.len())?;
+        Ok(self.vertex_of.iter().map(|&v| positions[v as usize]).collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn polygons_are_fanned_from_their_first_corner() {
+        let p = |x: f64, y: f64| Point3::new(x, y, 0.0);
+        let mut mesh = Mesh { positions: vec![p(0., 0.), p(1., 0.), p(2., 1.), p(1., 2.), p(0., 1.)], ..Mesh::default() };
+        mesh.polygons.push(&[2, 3, 4, 0, 1]);
+        let surface = Surface::new(&mesh).unwrap();
+        assert_eq!(surface.triangles, [[2, 3, 4], [2, 4, 0], [2, 0, 1]]);
+        assert_eq!(surface.polygon_of, [0, 0, 0]);
+    }
+
+    #[test]
+    fn results_go_back_to_every_copy_of_a_welded_vertex() {
+        let p = |x: f64, y: f64| Point3::new(x, y, 0.0);
+        let mesh = Mesh::from_triangles(
+            vec![p(0., 0.), p(1., 0.), p(0., 1.), p(0., 1.), p(1., 0.), p(1., 1.)],
+            &[[0, 1, 2], [3, 4, 5]],
+        );
+        let surface = Surface::new(&mesh).unwrap();
+        assert_eq!(surface.vertex_count(), 4);
+        let moved: Vec<_> = surface.positions.iter().map(|p| p + Vector3::z()).collect();
+        let back = surface.to_mesh(&moved).unwrap();
+        assert_eq!(back, mesh.positions.iter().map(|p| p + Vector3::z()).collect::<Vec<_>>());
+        assert_eq!(surface.from_mesh(&back).unwrap(), moved);
+    }
+}

@@ -1,0 +1,123 @@
+//! The registry: which implementations of which stages are linked into the program.
+//!
+//! A stage trait `S` is made known once, by [`stage_kind!`](crate::stage_kind); an implementation registers itself with
+//! [`register!`](crate::register) in its own file. All a [`Plugin`] says is derived from the implementing type: its name
+//! in YAML from typetag, its schema with the doc comments from schemars, its defaults from `Default`.
+
+use std::{any::Any, borrow::Cow};
+
+use schemars::{Schema, SchemaGenerator, json_schema};
+use serde_json::{Value, json};
+
+/// One registered implementation of one stage.
+pub struct Plugin {
+    /// The stage, as a pipeline spells it, e.g. `transfer`.
+    pub stage: &'static str,
+    /// The `type:` in YAML.
+    pub name: fn() -> &'static str,
+    /// JSON Schema of the settings, without `type`; its descriptions are the doc comments.
+    pub schema: fn(&mut SchemaGenerator) -> Schema,
+    /// The settings of the default instance as JSON, without `type`.
+    pub settings: fn() -> Value,
+    #[doc(hidden)]
+    pub instance: fn() -> Box<dyn Any>,
+}
+
+/// A stage trait object, e.g. `dyn Transfer`; implemented by [`stage_kind!`](crate::stage_kind).
+pub trait StageKind: 'static {
+    /// The stage's name, as a pipeline spells it.
+    const NAME: &'static str;
+}
+
+impl Plugin {
+    /// An instance with default settings, if this is an implementation of stage `S`.
+    pub fn default_instance<S: StageKind + ?Sized>(&self) -> Option<Box<S>> {
+        (self.instance)().downcast::<Box<S>>().ok().map(|boxed| *boxed)
+    }
+}
+
+/// Every registered implementation, sorted by stage and name.
+pub fn all() -> Vec<&'static Plugin> {
+    let mut plugins: Vec<_> = inventory::iter::<Plugin>.into_iter().collect();
+    plugins.sort_by_key(|plugin| (plugin.stage, (plugin.name)()));
+    plugins
+}
+
+/// The registered implementations of stage `S` with default settings, by name.
+pub fn instances<S: StageKind + ?Sized>() -> Vec<(&'static str, Box<S>)> {
+    all().into_iter().filter_map(|plugin| Some(((plugin.name)(), plugin.default_instance::<S>()?))).collect()
+}
+
+/// Registers an implementation: `register!(Transfer: Gradient);`, once, at the top of the file that implements it.
+///
+/// The type needs `Default`, `Serialize`, `JsonSchema` and the trait with `#[typetag::serde(name = "…")]`.
+#[macro_export]
+macro_rules! register {
+    ($stage:ident : $implementation:ty) => {
+        $crate::inventory::submit! {
+            $crate::Plugin {
+                stage: <dyn $crate::stage::$stage as $crate::plugin::StageKind>::NAME,
+                name: || $crate::stage::$stage::typetag_name(&<$implementation>::default()),
+                schema: <$implementation as $crate::schemars::JsonSchema>::json_schema,
+                settings: || {
+                    $crate::serde_json::to_value(<$implementation>::default()).expect("settings serialise to JSON")
+                },
+                instance: || {
+                    let boxed: Box<dyn $crate::stage::$stage> = Box::new(<$implementation>::default());
+                    Box::new(boxed)
+                },
+            }
+        }
+    };
+}
+
+/// Makes a stage trait known: `stage_kind!(Transfer, "transfer");`, once, beside the trait.
+#[macro_export]
+macro_rules! stage_kind {
+    ($stage:ident, $name:literal) => {
+        impl $crate::plugin::StageKind for dyn $stage {
+            const NAME: &'static str = $name;
+        }
+
+        impl $crate::schemars::JsonSchema for dyn $stage {
+            fn schema_name() -> std::borrow::Cow<'static, str> {
+                stringify!($stage).into()
+            }
+
+            fn json_schema(generator: &mut $crate::schemars::SchemaGenerator) -> $crate::schemars::Schema {
+                $crate::plugin::one_of($name, generator)
+            }
+        }
+    };
+}
+
+inventory::collect!(Plugin);
+
+/// The schema of "any registered implementation of `stage`", told apart by `type`.
+pub fn one_of(stage: &str, generator: &mut SchemaGenerator) -> Schema {
+    let variants: Vec<_> = all()
+        .into_iter()
+        .filter(|plugin| plugin.stage == stage)
+        .map(|plugin| {
+            let mut schema = (plugin.schema)(generator);
+            let object = schema.ensure_object();
+            let properties = object.entry("properties").or_insert_with(|| json!({}));
+            properties["type"] = json!({ "const": (plugin.name)() });
+            object.insert("required".into(), required(object.get("required")));
+            schema
+        })
+        .collect();
+    json_schema!({ "oneOf": variants })
+}
+
+/// `type`, and whatever else has no default.
+fn required(others: Option<&Value>) -> Value {
+    let mut names = vec![json!("type")];
+    names.extend(others.and_then(Value::as_array).into_iter().flatten().cloned());
+    Value::Array(names)
+}
+
+/// The description of a schema's subject, i.e. its doc comment.
+pub fn description(schema: &Schema) -> Cow<'_, str> {
+    schema.get("description").and_then(Value::as_str).unwrap_or_default().into()
+}

@@ -1,0 +1,92 @@
+use std::{fmt::Debug, io::Write, path::Path};
+
+use nalgebra::Point3;
+
+use crate::{
+    Error, Result,
+    mesh::{Mesh, MeshSequence},
+};
+
+/// A file format, found by the extension of a path.
+///
+/// # Contract
+///
+/// - what it writes it reads back: positions to the format's precision, polygons and their order exactly;
+/// - vertex order and count are those of the mesh;
+/// - damaged input gives an error that names file and line or element, never a panic.
+#[typetag::serde(tag = "type")]
+pub trait Format: Debug + Send + Sync {
+    /// Extensions in lower case without the dot, e.g. `["obj"]`.
+    fn extensions(&self) -> &'static [&'static str];
+
+    /// Reads a mesh, and the poses that the file holds.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Io`] if the file cannot be read, [`Error::File`] if its contents are not understood.
+    fn read(&self, path: &Path) -> Result<MeshSequence>;
+
+    /// How this format writes; `None` if it only reads.
+    fn writer(&self) -> Option<MeshWriter<'_>> {
+        None
+    }
+}
+
+/// How a format writes: one file a pose, or all poses in one file.
+#[derive(Clone, Copy)]
+pub enum MeshWriter<'a> {
+    /// One file a pose.
+    Pose(&'a dyn PoseWriter),
+    /// One file for rest and poses.
+    Sequence(&'a dyn SequenceFormat),
+}
+
+/// A format that takes one pose a file.
+pub trait PoseWriter {
+    /// Writes `mesh` with its vertices at `positions`.
+    ///
+    /// # Errors
+    ///
+    /// From `out`; [`Error::Shape`] if the counts differ.
+    fn write(&self, mesh: &Mesh, positions: &[Point3<f64>], out: &mut dyn Write) -> Result<(), WriteError>;
+}
+
+/// A format that takes a rest mesh and its poses in one file.
+pub trait SequenceFormat {
+    /// Starts a file for `mesh`; poses are added one by one.
+    ///
+    /// # Errors
+    ///
+    /// If the mesh cannot be written in this format, or there is no room for temporary data.
+    fn start(&self, mesh: &Mesh) -> Result<Box<dyn SequenceWriter>, WriteError>;
+}
+
+/// A file in the making that takes poses.
+pub trait SequenceWriter {
+    /// Adds a pose.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Shape`] if the count differs from the mesh.
+    fn add(&mut self, name: &str, positions: &[Point3<f64>]) -> Result<(), WriteError>;
+
+    /// Writes the file.
+    ///
+    /// # Errors
+    ///
+    /// From `out`.
+    fn finish(self: Box<Self>, out: &mut dyn Write) -> Result<(), WriteError>;
+}
+
+/// What writing can fail with, before a path is known.
+#[derive(Debug, thiserror::Error)]
+pub enum WriteError {
+    /// The sink failed.
+    #[error(transparent)]
+    Io(#[from] std::io::Error),
+    /// The mesh does not go into the format.
+    #[error(transparent)]
+    Mesh(#[from] Error),
+}
+
+crate::stage_kind!(Format, "format");

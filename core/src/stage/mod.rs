@@ -1,0 +1,21 @@
+//! The stages of a pipeline, one trait a file, with the data that passes between them.
+//!
+//! A stage is a plain struct of settings that serde reads; what depends on rest meshes alone is done once, in `bind` or
+//! `correspond`, and the result is `Send + Sync` and serves every pose. The contract of a stage stands in its trait's doc
+//! comment; `testkit::contracts` (feature `testkit`) holds implementations to it.
+
+mod correspondence;
+mod format;
+mod metric;
+mod pair;
+mod sample;
+mod transfer;
+mod triangle_map;
+
+pub use correspondence::Correspondence;
+pub use format::{Format, MeshWriter, PoseWriter, SequenceFormat, SequenceWriter, WriteError};
+pub use metric::{Metric, MetricInput};
+pub use pair::{Marker, Pair};
+pub use sample::Sample;
+pub use transfer::{BoundTransfer, Transfer, Transferred};
+pub use triangle_map::TriangleMap;

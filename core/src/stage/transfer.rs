@@ -1,0 +1,52 @@
+use std::fmt::Debug;
+
+use nalgebra::Point3;
+
+use super::{Pair, TriangleMap};
+use crate::{Figures, Result};
+
+/// Moves the target as the source moves.
+///
+/// [`bind`](Self::bind) does once what depends on the rest surfaces; the [`BoundTransfer`] then serves every pose.
+///
+/// # Contract
+///
+/// `testkit::contracts` holds implementations to this:
+/// - the source at rest gives the target at rest;
+/// - one rigid motion of the source moves the target by it, where both lie the same way round and are of one size;
+/// - results are finite and have #V of the target entries;
+/// - equal inputs give equal results, on one thread or many, in any order of poses.
+#[typetag::serde(tag = "type")]
+pub trait Transfer: Debug + Send + Sync {
+    /// Prepares the transfer between the rest surfaces of `pair` along `map`.
+    ///
+    /// # Errors
+    ///
+    /// If `map` does not belong to the surfaces, or the target is of a kind that this method cannot move.
+    fn bind(&self, pair: Pair<'_>, map: &TriangleMap) -> Result<Box<dyn BoundTransfer>>;
+}
+
+/// A transfer bound to a pair of rest surfaces.
+pub trait BoundTransfer: Debug + Send + Sync {
+    /// The target when the source is at `posed` (#V of the source).
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Shape`](crate::Error::Shape) if `posed` has another length; [`Error::Data`](crate::Error::Data) if it is
+    /// not finite.
+    fn transfer(&self, posed: &[Point3<f64>]) -> Result<Transferred>;
+
+    /// What was found while binding.
+    fn figures(&self) -> Figures;
+}
+
+/// A posed target.
+#[derive(Clone, Debug, Default)]
+pub struct Transferred {
+    /// Posed V of the target, #V × 3, in its own unit and place.
+    pub positions: Vec<Point3<f64>>,
+    /// Energies, residuals and the like of this pose.
+    pub figures: Figures,
+}
+
+crate::stage_kind!(Transfer, "transfer");
