@@ -6,7 +6,7 @@ use serde_json::Value;
 /// What a stage says of its result: named figures in a fixed order, and warnings for a person.
 ///
 /// They go to the summary of a run and to `run.json`; nothing is decided by them.
-#[derive(Clone, Debug, Default, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Figures {
     /// Names in `snake_case` with a unit where there is one, and values.
     #[serde(flatten)]

@@ -1,6 +1,6 @@
 use nalgebra::{Point3, Vector3};
 
-use super::{Components, Mesh, Topology, diagonal, weld};
+use super::{Components, Mesh, Part, Topology, diagonal, weld};
 use crate::{Error, Result};
 
 /// What stages compute on: the triangles of a [`Mesh`], with seams welded.
@@ -18,6 +18,10 @@ pub struct Surface {
     pub vertex_of: Vec<u32>,
     /// The first vertex of the mesh for each vertex of the surface, #V.
     pub first_copy: Vec<u32>,
+    /// Names of the mesh's parts: object, group or material, whichever comes first.
+    pub part_names: Vec<String>,
+    /// For each triangle its entry in `part_names`, #F; empty if no part has a name.
+    pub part_of: Vec<u32>,
 }
 
 impl Surface {
@@ -55,7 +59,8 @@ impl Surface {
             *corner = vertex_of[*corner as usize];
         }
         let positions = first_copy.iter().map(|&v| mesh.positions[v as usize]).collect();
-        Ok(Self { positions, triangles, polygon_of, vertex_of, first_copy })
+        let (part_names, part_of) = parts(mesh, &polygon_of);
+        Ok(Self { positions, triangles, polygon_of, vertex_of, first_copy, part_names, part_of })
     }
 
     /// A surface of triangles that are used as they stand.
@@ -67,7 +72,15 @@ impl Surface {
         Mesh::from_triangles(positions.clone(), &triangles).validate()?;
         let all: Vec<u32> = (0..positions.len() as u32).collect();
         let polygon_of = (0..triangles.len() as u32).collect();
-        Ok(Self { positions, triangles, polygon_of, vertex_of: all.clone(), first_copy: all })
+        Ok(Self {
+            positions,
+            triangles,
+            polygon_of,
+            vertex_of: all.clone(),
+            first_copy: all,
+            part_names: vec![],
+            part_of: vec![],
+        })
     }
 
     /// #V.
@@ -93,6 +106,25 @@ impl Surface {
     /// The connected components.
     pub fn components(&self) -> Components {
         Components::new(self.vertex_count(), &self.triangles)
+    }
+
+    /// The components numbered `which` in words: names of their parts, number of vertices, a vertex of the mesh; ten at most.
+    pub fn describe_components(&self, components: &Components, which: &[usize]) -> String {
+        let mut words: Vec<String> = which
+            .iter()
+            .take(10)
+            .map(|&c| {
+                let is_in = |v: u32| components.of_vertex[v as usize] == Some(c as u32);
+                let first = components.of_vertex.iter().position(|of| *of == Some(c as u32)).unwrap_or(0);
+                let triangle = self.triangles.iter().position(|t| is_in(t[0])).unwrap_or(0);
+                let name = self.part_of.get(triangle).map_or_else(String::new, |&p| format!("{} ", self.part_names[p as usize]));
+                format!("{name}({} vertices, from vertex {})", components.sizes[c], self.first_copy[first])
+            })
+            .collect();
+        if which.len() > words.len() {
+            words.push(format!("and {} more", which.len() - words.len()));
+        }
+        words.join(", ")
     }
 
     /// The corners of triangle `triangle` when the vertices are at `positions`.
@@ -141,6 +173,26 @@ impl Surface {
         Error::check_shape("vertices (#V)", self.vertex_count(), positions.len())?;
         Ok(self.vertex_of.iter().map(|&v| positions[v as usize]).collect())
     }
+}
+
+/// The distinct names of parts, and the one of each triangle.
+fn parts(mesh: &Mesh, polygon_of: &[u32]) -> (Vec<String>, Vec<u32>) {
+    let name = |part: &Part| part.object.as_ref().or(part.groups.first()).or(part.material.as_ref()).cloned();
+    let mut names: Vec<String> = Vec::new();
+    let mut of_polygon = vec![0; mesh.polygons.len()];
+    for part in &mesh.parts {
+        let name = name(part).unwrap_or_default();
+        let number = names.iter().position(|n| *n == name).unwrap_or_else(|| {
+            names.push(name);
+            names.len() - 1
+        });
+        of_polygon[part.polygons.clone()].fill(number as u32);
+    }
+    if names.iter().all(String::is_empty) {
+        return (vec![], vec![]);
+    }
+    let of_triangle = polygon_of.iter().map(|&p| of_polygon[p as usize]).collect();
+    (names, of_triangle)
 }
 
 #[cfg(test)]

@@ -20,6 +20,16 @@ pub trait Correspondence: Debug + Send + Sync {
     /// If the markers or the surfaces do not do for this method.
     fn correspond(&self, pair: Pair<'_>) -> Result<TriangleMap>;
 
+    /// Looks for what [`correspond`](Self::correspond) would refuse, as far as that takes little time, so that a pipeline can be
+    /// checked without computing.
+    ///
+    /// # Errors
+    ///
+    /// As [`correspond`](Self::correspond).
+    fn check(&self, _pair: Pair<'_>) -> Result<()> {
+        Ok(())
+    }
+
     /// How many markers this method needs, so that a pipeline can be checked without computing.
     fn markers_needed(&self) -> usize {
         0

@@ -4,7 +4,7 @@ use nalgebra::Point3;
 
 use crate::{
     Error, Result,
-    mesh::{Mesh, MeshSequence},
+    mesh::{Mesh, MeshSequence, Polygons},
 };
 
 /// A file format, found by the extension of a path.
@@ -26,10 +26,51 @@ pub trait Format: Debug + Send + Sync {
     /// [`Error::Io`] if the file cannot be read, [`Error::File`] if its contents are not understood.
     fn read(&self, path: &Path) -> Result<MeshSequence>;
 
+    /// Reads only the positions of a pose of `rest` (#V × 3), and checks that the file has its vertices and polygons.
+    ///
+    /// # Errors
+    ///
+    /// As [`read`](Self::read), and [`Error::File`] that names the counts, or the first polygon, in which the file
+    /// differs from `rest`.
+    fn read_pose(&self, path: &Path, rest: &Mesh) -> Result<Vec<Point3<f64>>> {
+        let pose = self.read(path)?.rest;
+        check_pose(path, rest, pose.positions.len(), &pose.polygons)?;
+        Ok(pose.positions)
+    }
+
     /// How this format writes; `None` if it only reads.
     fn writer(&self) -> Option<MeshWriter<'_>> {
         None
     }
+}
+
+/// Checks that a pose read from `path`, of `vertices` vertices and of `polygons`, is a pose of `rest`.
+///
+/// # Errors
+///
+/// [`Error::File`] that names the counts, or the first polygon (from 0), in which they differ.
+pub fn check_pose(path: &Path, rest: &Mesh, vertices: usize, polygons: &Polygons) -> Result<()> {
+    let differ = |message: String| {
+        let hint =
+            "a pose has the vertices and polygons of the rest mesh in the same order; export both with one setting";
+        Err(Error::file(path, message, hint))
+    };
+    if vertices != rest.positions.len() {
+        return differ(format!("pose has {vertices} vertices, the rest mesh {}", rest.positions.len()));
+    }
+    if polygons.len() != rest.polygons.len() {
+        return differ(format!("pose has {} polygons, the rest mesh {}", polygons.len(), rest.polygons.len()));
+    }
+    if *polygons != rest.polygons {
+        let differs = |(pose, rest)| pose != rest;
+        let polygon = polygons.iter().zip(rest.polygons.iter()).position(differs).unwrap_or_default();
+        return differ(format!(
+            "polygon {polygon} (from 0) differs: pose has vertices {:?}, the rest mesh {:?}",
+            polygons.get(polygon),
+            rest.polygons.get(polygon)
+        ));
+    }
+    Ok(())
 }
 
 /// How a format writes: one file a pose, or all poses in one file.

@@ -13,7 +13,7 @@ mod transfer;
 mod triangle_map;
 
 pub use correspondence::Correspondence;
-pub use format::{Format, MeshWriter, PoseWriter, SequenceFormat, SequenceWriter, WriteError};
+pub use format::{Format, MeshWriter, PoseWriter, SequenceFormat, SequenceWriter, WriteError, check_pose};
 pub use metric::{Metric, MetricInput};
 pub use pair::{Marker, Pair};
 pub use sample::Sample;

@@ -13,7 +13,7 @@ use crate::{Figures, Result};
 ///
 /// `testkit::contracts` holds implementations to this:
 /// - the source at rest gives the target at rest;
-/// - one rigid motion of the source moves the target by it, where both lie the same way round and are of one size;
+/// - one rigid motion of the source moves a target of the same shape and place by it;
 /// - results are finite and have #V of the target entries;
 /// - equal inputs give equal results, on one thread or many, in any order of poses.
 #[typetag::serde(tag = "type")]
@@ -24,6 +24,16 @@ pub trait Transfer: Debug + Send + Sync {
     ///
     /// If `map` does not belong to the surfaces, or the target is of a kind that this method cannot move.
     fn bind(&self, pair: Pair<'_>, map: &TriangleMap) -> Result<Box<dyn BoundTransfer>>;
+
+    /// Looks for what [`bind`](Self::bind) would refuse, as far as that takes little time, so that a pipeline can be
+    /// checked without computing.
+    ///
+    /// # Errors
+    ///
+    /// As [`bind`](Self::bind).
+    fn check(&self, _pair: Pair<'_>) -> Result<()> {
+        Ok(())
+    }
 }
 
 /// A transfer bound to a pair of rest surfaces.

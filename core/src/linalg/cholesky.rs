@@ -1,0 +1,156 @@
+use std::{fmt, sync::Arc};
+
+use dyn_stack::{MemBuffer, MemStack};
+use faer::{
+    Conj, MatMut, Par, Side,
+    sparse::{
+        SparseColMatRef, SymbolicSparseColMatRef,
+        linalg::cholesky::{
+            CholeskySymbolicParams, LltRef, SymbolicCholesky, SymmetricOrdering, factorize_symbolic_cholesky,
+        },
+    },
+};
+use nalgebra_sparse::CscMatrix;
+
+use crate::{Error, Result};
+
+/// A sparse Cholesky factorisation A = L Lᵀ, ordered by approximate minimum degree.
+///
+/// The symbolic part depends on the pattern alone and is shared by clones and by [`refactor`](Self::refactor).
+#[derive(Clone)]
+pub struct Cholesky {
+    symbolic: Arc<SymbolicCholesky<usize>>,
+    factor: Vec<f64>,
+    /// The lower triangle, for residuals.
+    matrix: CscMatrix<f64>,
+    what: &'static str,
+}
+
+impl Cholesky {
+    /// Factors the symmetric matrix whose lower triangle is `lower`; entries above the diagonal are not looked at.
+    ///
+    /// `what` names the system in errors.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Singular`] if the matrix is not positive definite.
+    pub fn new(lower: CscMatrix<f64>, what: &'static str) -> Result<Self> {
+        let symbolic = factorize_symbolic_cholesky(
+            view(&lower).symbolic(),
+            Side::Lower,
+            SymmetricOrdering::Amd,
+            CholeskySymbolicParams::default(),
+        )
+        .map_err(|error| Error::Other(format!("{what}: {error:?}").into()))?;
+        let factor = vec![0.0; symbolic.len_val()];
+        let mut result = Self { symbolic: Arc::new(symbolic), factor, matrix: lower, what };
+        result.factor_numerically()?;
+        Ok(result)
+    }
+
+    /// Factors again after `change` has set new values on the same pattern (lower triangle, CSC order).
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Singular`] if the matrix is not positive definite any more.
+    pub fn refactor(&mut self, change: impl FnOnce(&mut [f64])) -> Result<()> {
+        change(self.matrix.values_mut());
+        self.factor_numerically()
+    }
+
+    /// Solves A x = b in place for `columns` right-hand sides, stored one after another (column-major, n × columns).
+    ///
+    /// # Panics
+    ///
+    /// If `rhs` is not n × columns long.
+    pub fn solve_in_place(&self, rhs: &mut [f64], columns: usize) {
+        let n = self.size();
+        assert_eq!(rhs.len(), n * columns, "right-hand sides of {n} rows");
+        let mut memory = MemBuffer::new(self.symbolic.solve_in_place_scratch::<f64>(columns, Par::Seq));
+        LltRef::new(&self.symbolic, &self.factor).solve_in_place_with_conj(
+            Conj::No,
+            MatMut::from_column_major_slice_mut(rhs, n, columns),
+            Par::Seq,
+            MemStack::new(&mut memory),
+        );
+    }
+
+    /// As [`solve_in_place`](Self::solve_in_place), with one step of iterative refinement.
+    ///
+    /// Worth its price where A squares a badly conditioned operator, as a bilaplacian does.
+    ///
+    /// # Panics
+    ///
+    /// If `rhs` is not n × columns long.
+    pub fn solve_refined_in_place(&self, rhs: &mut [f64], columns: usize) {
+        let mut residual = rhs.to_vec();
+        self.solve_in_place(rhs, columns);
+        for (r, x) in residual.chunks_mut(self.size()).zip(rhs.chunks(self.size())) {
+            self.subtract_product(x, r);
+        }
+        self.solve_in_place(&mut residual, columns);
+        rhs.iter_mut().zip(&residual).for_each(|(x, dx)| *x += dx);
+    }
+
+    /// n.
+    pub fn size(&self) -> usize {
+        self.matrix.ncols()
+    }
+
+    /// Number of stored entries of L.
+    pub fn factor_len(&self) -> usize {
+        self.factor.len()
+    }
+
+    /// Where each column of the lower triangle starts among its values.
+    pub(super) fn column_starts(&self) -> &[usize] {
+        self.matrix.col_offsets()
+    }
+
+    fn factor_numerically(&mut self) -> Result<()> {
+        let symbolic = &self.symbolic;
+        let mut memory = MemBuffer::new(symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default()));
+        symbolic
+            .factorize_numeric_llt(
+                &mut self.factor,
+                view(&self.matrix),
+                Side::Lower,
+                Default::default(),
+                Par::Seq,
+                MemStack::new(&mut memory),
+                Default::default(),
+            )
+            .map(|_| ())
+            .map_err(|_| Error::Singular {
+                what: self.what,
+                hint: "look for parts of the mesh without area or without any tie to the rest: `mimesh inspect MESH`".into(),
+            })
+    }
+
+    /// r −= A x.
+    fn subtract_product(&self, x: &[f64], r: &mut [f64]) {
+        for (j, column) in self.matrix.col_iter().enumerate() {
+            for (&i, &value) in column.row_indices().iter().zip(column.values()) {
+                if i >= j {
+                    r[i] -= value * x[j];
+                }
+                if i > j {
+                    r[j] -= value * x[i];
+                }
+            }
+        }
+    }
+}
+
+impl fmt::Debug for Cholesky {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "Cholesky({}: n = {}, {} entries)", self.what, self.size(), self.factor.len())
+    }
+}
+
+/// The same arrays as faer sees them; no copy.
+fn view(matrix: &CscMatrix<f64>) -> SparseColMatRef<'_, usize, f64> {
+    let (starts, rows, values) = matrix.csc_data();
+    let pattern = SymbolicSparseColMatRef::new_checked(matrix.nrows(), matrix.ncols(), starts, None, rows);
+    SparseColMatRef::new(pattern, values)
+}

@@ -1,0 +1,158 @@
+use nalgebra_sparse::{CooMatrix, CscMatrix};
+
+use super::Cholesky;
+use crate::Result;
+
+/// Minimises ½ xᵀ A x − bᵀ x where some unknowns are held at given values; factored once, solved often.
+///
+/// Fixed unknowns are eliminated, so that they are met exactly: A_ff x_f = b_f − A_fc x_c.
+#[derive(Clone, Debug)]
+pub struct FixedUnknowns {
+    cholesky: Cholesky,
+    /// For each unknown its number among the free ones, or among the fixed ones.
+    place: Vec<Place>,
+    free: Vec<u32>,
+    /// A_fc, #free × #fixed.
+    coupling: CscMatrix<f64>,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Place {
+    Free(usize),
+    Fixed(usize),
+}
+
+impl FixedUnknowns {
+    /// Factors A, given by its lower triangle, without the unknowns `fixed`; `what` names the system in errors.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Singular`](crate::Error::Singular) if what remains is not positive definite.
+    pub fn new(lower: &CscMatrix<f64>, fixed: &[u32], what: &'static str) -> Result<Self> {
+        let n = lower.ncols();
+        let mut place = vec![Place::Free(0); n];
+        fixed.iter().enumerate().for_each(|(k, &i)| place[i as usize] = Place::Fixed(k));
+        let mut free = Vec::with_capacity(n - fixed.len());
+        for (i, place) in place.iter_mut().enumerate() {
+            if let Place::Free(number) = place {
+                *number = free.len();
+                free.push(i as u32);
+            }
+        }
+        let mut inner = CooMatrix::new(free.len(), free.len());
+        let mut coupling = CooMatrix::new(free.len(), fixed.len());
+        for (i, j, &value) in lower.triplet_iter().filter(|(i, j, _)| i >= j) {
+            match (place[i], place[j]) {
+                (Place::Free(a), Place::Free(b)) => inner.push(a, b, value),
+                (Place::Free(a), Place::Fixed(b)) | (Place::Fixed(b), Place::Free(a)) => coupling.push(a, b, value),
+                (Place::Fixed(_), Place::Fixed(_)) => {}
+            }
+        }
+        let cholesky = Cholesky::new(CscMatrix::from(&inner), what)?;
+        Ok(Self { cholesky, place, free, coupling: CscMatrix::from(&coupling) })
+    }
+
+    /// Adds `amount(i)` to the diagonal entry of each free unknown i in place of what the last call added, and factors again.
+    ///
+    /// `added` is what the last call added, a value a free unknown; pass zeros (#free) at first.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Singular`](crate::Error::Singular) if the matrix is not positive definite any more.
+    pub fn set_diagonal(&mut self, added: &mut [f64], amount: impl Fn(usize) -> f64) -> Result<()> {
+        let free = &self.free;
+        let starts = self.cholesky.column_starts().to_vec();
+        self.cholesky.refactor(|values| {
+            // The diagonal is the first entry of each column of a sorted lower triangle.
+            for ((&i, &start), added) in free.iter().zip(&starts).zip(added) {
+                let amount = amount(i as usize);
+                values[start] += amount - *added;
+                *added = amount;
+            }
+        })
+    }
+
+    /// Number of unknowns that are not fixed.
+    pub fn free_count(&self) -> usize {
+        self.free.len()
+    }
+
+    /// Number of stored entries of the factor.
+    pub fn factor_len(&self) -> usize {
+        self.cholesky.factor_len()
+    }
+
+    /// The x that minimises, for `columns` right-hand sides b (column-major, n × columns).
+    ///
+    /// `values` are those of the fixed unknowns, in their order (column-major, #fixed × columns).
+    pub fn solve(&self, b: &[f64], values: &[f64], columns: usize) -> Vec<f64> {
+        let (n, inner, fixed) = (self.place.len(), self.free.len(), self.coupling.ncols());
+        let mut rhs = Vec::with_capacity(inner * columns);
+        for c in 0..columns {
+            rhs.extend(self.free.iter().map(|&i| b[c * n + i as usize]));
+            let column = &mut rhs[c * inner..];
+            for (i, j, &a) in self.coupling.triplet_iter() {
+                column[i] -= a * values[c * fixed + j];
+            }
+        }
+        self.cholesky.solve_in_place(&mut rhs, columns);
+        let mut x = Vec::with_capacity(n * columns);
+        for c in 0..columns {
+            x.extend(self.place.iter().map(|place| match *place {
+                Place::Free(a) => rhs[c * inner + a],
+                Place::Fixed(b) => values[c * fixed + b],
+            }));
+        }
+        x
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{DMatrix, DVector};
+
+    use super::*;
+    use crate::linalg::Assembly;
+
+    /// A chain of springs: A = tridiagonal(−1, 2, −1) plus a little.
+    fn chain(n: usize) -> CscMatrix<f64> {
+        let mut assembly = Assembly::new(n);
+        (0..n - 1).for_each(|i| assembly.add_outer(&[i as u32, i as u32 + 1], &[[1.0], [-1.0]], 1.0 + i as f64));
+        assembly.finish()
+    }
+
+    #[test]
+    fn a_chain_between_fixed_ends_is_the_dense_solution() {
+        let n = 9;
+        let system = FixedUnknowns::new(&chain(n), &[0, 8], "chain").unwrap();
+        let b: Vec<f64> = (0..n).map(|i| (i as f64).sin()).collect();
+        let x = system.solve(&b, &[1.0, 4.0], 1);
+        assert_eq!((x[0], x[8]), (1.0, 4.0));
+        let lower = DMatrix::from(&chain(n));
+        let full = &lower + lower.transpose() - DMatrix::from_diagonal(&lower.diagonal());
+        let gradient = full * DVector::from(x) - DVector::from(b);
+        // n · eps times the largest stiffness (8).
+        assert!(gradient.rows(1, 7).amax() < 1e-13, "gradient vanishes at free unknowns: {gradient}");
+    }
+
+    #[test]
+    fn a_changed_diagonal_replaces_the_change_before() {
+        let n = 6;
+        let b = vec![1.0; n];
+        let mut once = FixedUnknowns::new(&chain(n), &[0], "chain").unwrap();
+        let mut twice = once.clone();
+        once.set_diagonal(&mut [0.0; 5], |i| i as f64).unwrap();
+        let mut added = [0.0; 5];
+        twice.set_diagonal(&mut added, |_| 100.0).unwrap();
+        twice.set_diagonal(&mut added, |i| i as f64).unwrap();
+        let (a, b) = (once.solve(&b, &[0.0], 1), twice.solve(&b, &[0.0], 1));
+        // 100 is added and taken away: its rounding remains.
+        assert!(a.iter().zip(&b).all(|(x, y)| (x - y).abs() < 1e-12));
+    }
+
+    #[test]
+    fn a_loose_system_is_an_error_and_not_nan() {
+        let error = FixedUnknowns::new(&Assembly::new(3).finish(), &[0], "nothing").unwrap_err();
+        assert_eq!(error.to_string(), "nothing is not positive definite");
+    }
+}

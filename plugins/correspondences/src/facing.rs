@@ -1,0 +1,65 @@
+//! Closest points of the source that face the same way as what is looked for.
+
+use mimesh_core::{
+    Result,
+    mesh::SurfacePoint,
+    operators::is_degenerate,
+    spatial::{ClosestPoint, OnSurface},
+};
+use nalgebra::{Point3, Vector3};
+use rayon::prelude::*;
+
+/// Searches the triangles of the source whose normals are less than 90 degrees from a given one.
+///
+/// Triangles that face away, as on the far side of an ear, are skipped in the search, so that the closest valid point is
+/// found; Sumner and Popović 2004 ask for compatible normals too.
+pub struct Facing {
+    search: ClosestPoint,
+    /// Normals of any length; `None` for triangles without area, which have no motion to give.
+    normals: Vec<Option<Vector3<f64>>>,
+}
+
+impl Facing {
+    pub fn new(positions: &[Point3<f64>], triangles: &[[u32; 3]]) -> Result<Self> {
+        let normals = triangles
+            .iter()
+            .map(|t| {
+                let corners = t.map(|v| positions[v as usize]);
+                (!is_degenerate(&corners)).then(|| normal(&corners))
+            })
+            .collect();
+        Ok(Self { search: ClosestPoint::new(positions, triangles)?, normals })
+    }
+
+    /// The closest valid point nearer than `limit`.
+    pub fn find(&self, point: &Point3<f64>, normal: &Vector3<f64>, limit: f64) -> Option<OnSurface> {
+        self.search.find(point, limit, |t| self.normals[t as usize].is_some_and(|n| n.dot(normal) > 0.0))
+    }
+
+    /// For each vertex the closest valid point of the source nearer than `limit`.
+    pub fn points(
+        &self,
+        positions: &[Point3<f64>],
+        normals: &[Vector3<f64>],
+        limit: f64,
+    ) -> Vec<Option<SurfacePoint>> {
+        let find = |(p, n)| self.find(p, n, limit).map(|f| SurfacePoint::Triangle(f.triangle, f.barycentric));
+        (positions, normals).into_par_iter().map(find).collect()
+    }
+
+    /// For each triangle the source triangle with the closest valid point to its barycentre nearer than `limit`.
+    ///
+    /// Zhou et al. 2010 compare barycentres with barycentres, which misses large triangles.
+    pub fn partners(&self, positions: &[Point3<f64>], triangles: &[[u32; 3]], limit: f64) -> Vec<Option<u32>> {
+        let find = |t: &[u32; 3]| {
+            let corners = t.map(|v| positions[v as usize]);
+            let barycentre = Point3::from((corners[0].coords + corners[1].coords + corners[2].coords) / 3.0);
+            self.find(&barycentre, &normal(&corners), limit).map(|found| found.triangle)
+        };
+        triangles.par_iter().map(find).collect()
+    }
+}
+
+fn normal([a, b, c]: &[Point3<f64>; 3]) -> Vector3<f64> {
+    (b - a).cross(&(c - a))
+}

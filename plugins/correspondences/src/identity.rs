@@ -1,0 +1,32 @@
+//! Pairs triangles of one number: the same mesh, or two of the same topology.
+
+use mimesh_core::{
+    Error, Result, register,
+    stage::{Correspondence, Pair, TriangleMap},
+};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+register!(Correspondence: Identity);
+
+/// Each target triangle moves like the source triangle of the same number: for meshes of one topology.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema, Serialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Identity {}
+
+#[typetag::serde(name = "identity")]
+impl Correspondence for Identity {
+    fn correspond(&self, pair: Pair<'_>) -> Result<TriangleMap> {
+        let (source, target) = (&pair.source.triangles, &pair.target.triangles);
+        let differs = source.iter().zip(target).position(|(s, t)| s != t);
+        if source.len() != target.len() || differs.is_some() {
+            let place = differs.map_or_else(String::new, |t| format!(", and triangle {t} (from 0) differs"));
+            return Err(Error::data(
+                format!("source and target have {} and {} triangles{place}: expected one topology", source.len(), target.len()),
+                "use `correspondence: { type: nonrigid_fit }` with markers for meshes of different topology",
+            ));
+        }
+        let partners = (0..source.len() as u32).map(Some).collect();
+        Ok(TriangleMap { source_triangles: source.len(), partners, ..TriangleMap::default() })
+    }
+}

@@ -1,0 +1,47 @@
+//! Pairs triangles that lie together at rest.
+
+use mimesh_core::{
+    Error, Figures, Result,
+    operators::vertex_normals,
+    register,
+    stage::{Correspondence, Pair, TriangleMap},
+};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::facing::Facing;
+
+register!(Correspondence: Nearest);
+
+/// Each target triangle moves like the source triangle closest to it at rest, among those that face the same way.
+///
+/// For meshes that already lie on each other: another resolution of one shape, or clothes on a body.
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Nearest {
+    /// Target triangles whose barycentre is farther from the source than this are orphans, in diagonals of the target.
+    #[schemars(range(min = 0.0))]
+    pub max_distance: f64,
+}
+
+impl Default for Nearest {
+    fn default() -> Self {
+        Self { max_distance: 0.1 }
+    }
+}
+
+#[typetag::serde(name = "nearest")]
+impl Correspondence for Nearest {
+    fn correspond(&self, pair: Pair<'_>) -> Result<TriangleMap> {
+        Error::check_setting("max_distance", self.max_distance, 0.0, f64::INFINITY)?;
+        let (source, target) = (pair.source, pair.target);
+        let facing = Facing::new(&source.positions, &source.triangles)?;
+        let limit = self.max_distance * target.diagonal();
+        let normals = vertex_normals(&target.positions, &target.triangles);
+        let points = facing.points(&target.positions, &normals, limit);
+        let partners = facing.partners(&target.positions, &target.triangles, limit);
+        let mut figures = Figures::default();
+        figures.set("vertices_with_a_point", points.iter().flatten().count());
+        Ok(TriangleMap { source_triangles: source.triangle_count(), partners, points, figures })
+    }
+}

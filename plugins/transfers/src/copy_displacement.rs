@@ -1,0 +1,83 @@
+//! Copies displacements, as a baseline.
+
+use mimesh_core::{
+    Error, Result,
+    mesh::{SurfacePoint, check_finite},
+    register,
+    spatial::{Nearest, Orientation},
+    stage::{BoundTransfer, Pair, Transfer, Transferred, TriangleMap},
+};
+use mimesh_core::{Figures, mesh::Surface, spatial::Similarity};
+use nalgebra::Point3;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::{alignment::Alignment, gradient::figures};
+
+register!(Transfer: CopyDisplacement);
+
+/// Adds to each target vertex the displacement of its source point, turned and scaled to the target: x̃ = x + s R (ũ − u).
+///
+/// What most tools do. Fine for small shapes such as wrinkles; it stretches and shears whatever rotates. A baseline to
+/// compare with, for targets of any number of components.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema, Serialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct CopyDisplacement {
+    /// How source and target are turned to each other at rest.
+    pub orientation: Orientation,
+}
+
+#[typetag::serde(name = "copy_displacement")]
+impl Transfer for CopyDisplacement {
+    fn bind(&self, pair: Pair<'_>, map: &TriangleMap) -> Result<Box<dyn BoundTransfer>> {
+        map.check(pair)?;
+        let target_from_source = Alignment::new(pair, map, self.orientation).target_from_source;
+        let points = points(pair, map)?;
+        Ok(Box::new(Bound { source: pair.source.clone(), rest: pair.target.positions.clone(), points, target_from_source }))
+    }
+}
+
+/// A source point for every target vertex: the map's, else the same corner of a partner, else that of the nearest vertex
+/// which has one.
+fn points(pair: Pair<'_>, map: &TriangleMap) -> Result<Vec<SurfacePoint>> {
+    let target = pair.target;
+    let mut points = map.points.clone();
+    points.resize(target.vertex_count(), None);
+    for (t, partner) in target.triangles.iter().zip(&map.partners) {
+        let Some(partner) = partner else { continue };
+        for (k, &v) in t.iter().enumerate() {
+            points[v as usize].get_or_insert(SurfacePoint::Vertex(pair.source.triangles[*partner as usize][k]));
+        }
+    }
+    let known: Vec<u32> = (0..points.len() as u32).filter(|&v| points[v as usize].is_some()).collect();
+    let nearest = Nearest::new(&known.iter().map(|&v| target.positions[v as usize]).collect::<Vec<_>>())?;
+    let found = |v: usize| points[known[nearest.find(&target.positions[v]).0 as usize] as usize];
+    Ok((0..points.len()).map(|v| points[v].or_else(|| found(v)).unwrap_or(SurfacePoint::Vertex(0))).collect())
+}
+
+#[derive(Debug)]
+struct Bound {
+    source: Surface,
+    rest: Vec<Point3<f64>>,
+    points: Vec<SurfacePoint>,
+    target_from_source: Similarity,
+}
+
+impl BoundTransfer for Bound {
+    fn transfer(&self, posed: &[Point3<f64>]) -> Result<Transferred> {
+        Error::check_shape("posed source vertices (#V)", self.source.vertex_count(), posed.len())?;
+        check_finite(posed)?;
+        let Similarity { scale, rotation, .. } = self.target_from_source;
+        let moved = |(rest, point): (&Point3<f64>, &SurfacePoint)| {
+            let displacement = point.position(&self.source, posed) - point.position(&self.source, &self.source.positions);
+            rest + rotation * displacement * scale
+        };
+        let positions: Vec<_> = self.rest.iter().zip(&self.points).map(moved).collect();
+        check_finite(&positions)?;
+        Ok(Transferred { positions, figures: Figures::default() })
+    }
+
+    fn figures(&self) -> Figures {
+        figures(&self.target_from_source)
+    }
+}
