@@ -58,6 +58,20 @@ impl Cholesky {
         self.factor_numerically()
     }
 
+    /// The factorisation of another matrix of the same pattern (lower triangle, CSC order), sharing the symbolic part.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Singular`] if that matrix is not positive definite.
+    pub fn with_values(&self, values: &[f64]) -> Result<Self> {
+        let mut matrix = self.matrix.clone();
+        matrix.values_mut().copy_from_slice(values);
+        let factor = vec![0.0; self.factor.len()];
+        let mut result = Self { symbolic: self.symbolic.clone(), factor, matrix, what: self.what };
+        result.factor_numerically()?;
+        Ok(result)
+    }
+
     /// Solves A x = b in place for `columns` right-hand sides, stored one after another (column-major, n × columns).
     ///
     /// # Panics

@@ -2,7 +2,7 @@
 
 use mimesh_core::{
     Result,
-    linalg::{Assembly, FixedUnknowns},
+    linalg::{Assembly, Cholesky},
     mesh::Surface,
     operators::{Gradient, gradients},
 };
@@ -12,22 +12,53 @@ use nalgebra::{Matrix3, Point3};
 /// no other triangle, too little to be felt by one that has.
 const DEGENERATE_WEIGHT: f64 = 1e-4;
 
-/// Minimises Σ_t w_t ‖(F̂_t − F_t) P_t‖² over the posed vertices of a connected surface, for any number of fields F̂.
+/// Reweighting stops once a step lowers the energy by less than this part of it.
+const CONVERGED: f64 = 1e-3;
+
+/// Minimises Σ_t w_t ρ(‖(F̂_t − F_t) P_t‖) over the posed vertices of a connected surface, for any number of fields F̂.
 ///
 /// In the 3 × 2 edge form (Botsch et al. 2006): P_t projects onto the plane of triangle t, and the fourth vertex of Sumner
-/// and Popović 2004 drops out. With w_t the area, the matrix is the cotangent Laplacian.
+/// and Popović 2004 drops out. ρ(r) = r² is their least squares, for which the matrix (with w_t the area, the cotangent
+/// Laplacian) is factored once. ρ(r) = 2ε (√(r² + ε²) − ε), nearly |r|, is minimised by reweighting: each step minimises a
+/// quadratic that lies above the energy and touches it, so the energy never rises; the energy is convex, so there is one
+/// minimum.
 #[derive(Debug)]
 pub struct Poisson {
-    system: FixedUnknowns,
-    triangles: Vec<[u32; 3]>,
-    gradients: Vec<Option<Gradient>>,
-    /// w_t, #F; 0 for triangles without area.
-    weights: Vec<f64>,
-    /// What a field multiplies into the right-hand side of each corner: w_t gᵢ as columns.
-    pull: Vec<Matrix3<f64>>,
+    factored: Cholesky,
+    /// The lower triangle's values for ties alone.
+    ties: Vec<f64>,
+    elements: Vec<Element>,
     rest: Vec<Point3<f64>>,
-    /// The anchor, and vertices without a triangle.
-    fixed: Vec<u32>,
+    /// For each vertex its unknown; `None` for the anchor and for vertices without a triangle.
+    unknown: Vec<Option<u32>>,
+    anchor: u32,
+}
+
+/// A triangle of the surface.
+#[derive(Debug)]
+struct Element {
+    corners: [u32; 3],
+    /// `None` if it has no area.
+    gradient: Option<Gradient>,
+    /// w_t; 0 if it has no area.
+    weight: f64,
+    /// What a field multiplies into the right-hand side of each corner, times the weight: gᵢ as columns.
+    pull: Matrix3<f64>,
+    /// Where the pairs of corners [`PAIRS`] lie among the values of the matrix.
+    entries: [Option<u32>; 6],
+}
+
+const PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)];
+
+/// A solution and what it took.
+#[derive(Debug)]
+pub struct Solution {
+    /// The posed vertices, #V.
+    pub positions: Vec<Point3<f64>>,
+    /// √(Σ w_t ‖(F̂_t − F_t) P_t‖² / Σ w_t): how far the gradients are from the field, without unit.
+    pub residual: f64,
+    /// The energy that was minimised, over Σ w_t, after each solve.
+    pub energies: Vec<f64>,
 }
 
 impl Poisson {
@@ -37,77 +68,152 @@ impl Poisson {
     ///
     /// [`Error::Singular`](mimesh_core::Error::Singular) if the target is not connected.
     pub fn new(target: &Surface, weight: impl Fn(f64) -> f64) -> Result<Self> {
-        let n = target.vertex_count();
-        let mut assembly = Assembly::new(n);
-        let gradients = gradients(&target.positions, &target.triangles);
-        // Relative to their mean, so that ties have the same effect at any size of mesh.
-        let mut weights: Vec<f64> = gradients.iter().map(|g| g.map_or(0.0, |g| weight(g.area))).collect();
-        let scale: f64 = gradients.iter().flatten().map(|g| g.area).sum::<f64>() / weights.iter().sum::<f64>();
-        weights.iter_mut().for_each(|w| *w *= scale);
-        let mut pull = Vec::with_capacity(gradients.len());
-        for ((gradient, t), &w) in gradients.iter().zip(&target.triangles).zip(&weights) {
-            match gradient {
-                Some(Gradient { of_corners: g, .. }) => {
-                    let rows: [[f64; 3]; 3] = std::array::from_fn(|i| g.column(i).into_owned().into());
-                    assembly.add_outer(t, &rows, w);
-                    pull.push(g * w);
+        let (unknown, anchor) = unknowns(target);
+        let mut elements: Vec<_> =
+            target.triangles.iter().map(|&corners| Element::new(target, corners, &weight)).collect();
+        // Relative to cotangents, so that ties have the same effect whatever the weights.
+        let area: f64 = elements.iter().filter_map(|e| Some(e.gradient?.area)).sum();
+        let scale = area / elements.iter().map(|e| e.weight).sum::<f64>();
+        elements.iter_mut().for_each(|e| e.weight *= scale);
+
+        let mut pattern = Assembly::new(unknown.iter().flatten().count());
+        for element in &mut elements {
+            let value = if element.gradient.is_none() { element.tie(&target.positions) } else { 0.0 };
+            for (a, b) in PAIRS {
+                if let (Some(i), Some(j)) = (unknown[element.corners[a] as usize], unknown[element.corners[b] as usize]) {
+                    pattern.add(i as usize, j as usize, if a == b { 2.0 * value } else { -value });
                 }
-                None => pull.push(tie(target, t, &mut assembly)),
             }
         }
-        let mut solved = vec![false; n];
-        target.triangles.iter().flatten().for_each(|&v| solved[v as usize] = true);
-        if let Some(anchor) = target.triangles.first().map(|t| t[0]) {
-            solved[anchor as usize] = false;
+        let matrix = pattern.finish();
+        let (starts, rows, ties) = matrix.csc_data();
+        for element in &mut elements {
+            element.entries = PAIRS.map(|(a, b)| {
+                let (i, j) = (unknown[element.corners[a] as usize]?, unknown[element.corners[b] as usize]?);
+                let (column, row) = (i.min(j) as usize, i.max(j) as usize);
+                let place = rows[starts[column]..starts[column + 1]].binary_search(&row).ok()?;
+                Some((starts[column] + place) as u32)
+            });
         }
-        let fixed: Vec<u32> = (0..n as u32).filter(|&v| !solved[v as usize]).collect();
-        let system = FixedUnknowns::new(&assembly.finish(), &fixed, "the system of the target's deformation gradients")?;
-        let (triangles, rest) = (target.triangles.clone(), target.positions.clone());
-        Ok(Self { system, triangles, gradients, weights, pull, rest, fixed })
+        let ties = ties.to_vec();
+        let mut values = ties.clone();
+        add_stiffness(&elements, |_| 1.0, &mut values);
+        let mut matrix = matrix;
+        matrix.values_mut().copy_from_slice(&values);
+        let factored = Cholesky::new(matrix, "the system of the target's deformation gradients")?;
+        Ok(Self { factored, ties, elements, rest: target.positions.clone(), unknown, anchor })
     }
 
-    /// The posed vertices for the field `field` (#F); the first corner of the first triangle stays where it is at rest, and
-    /// so do vertices without a triangle.
-    pub fn solve(&self, field: &[Matrix3<f64>]) -> Vec<Point3<f64>> {
-        let n = self.rest.len();
-        let mut rhs = vec![0.0; 3 * n];
-        for ((t, pull), f) in self.triangles.iter().zip(&self.pull).zip(field) {
-            let b = f * pull;
-            for (k, &v) in t.iter().enumerate() {
-                (0..3).for_each(|c| rhs[c * n + v as usize] += b[(c, k)]);
+    /// The posed vertices for the field `field` (#F): least squares, then at most `steps` reweightings with ε = `epsilon`.
+    ///
+    /// The first corner of the first triangle stays where it is at rest, and so do vertices without a triangle.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Singular`](mimesh_core::Error::Singular) if weights have become too uneven to be solved.
+    pub fn solve(&self, field: &[Matrix3<f64>], steps: usize, epsilon: f64) -> Result<Solution> {
+        let total: f64 = self.elements.iter().map(|e| e.weight).sum();
+        let energy = |residuals: &[f64]| {
+            let rho = |r: f64| if steps == 0 { r * r } else { 2.0 * epsilon * ((r * r + epsilon * epsilon).sqrt() - epsilon) };
+            self.elements.iter().zip(residuals).map(|(e, &r)| e.weight * rho(r)).sum::<f64>() / total
+        };
+        let mut positions = self.solve_weighted(&self.factored, field, |_| 1.0);
+        let mut residuals = self.residuals(field, &positions);
+        let mut energies = vec![energy(&residuals)];
+        for _ in 0..steps {
+            let weight = |t: usize| epsilon / (residuals[t] * residuals[t] + epsilon * epsilon).sqrt();
+            let mut values = self.ties.clone();
+            add_stiffness(&self.elements, weight, &mut values);
+            let factored = self.factored.with_values(&values)?;
+            positions = self.solve_weighted(&factored, field, weight);
+            residuals = self.residuals(field, &positions);
+            let (before, now) = (energies[energies.len() - 1], energy(&residuals));
+            energies.push(now);
+            if before - now <= CONVERGED * before {
+                break;
             }
         }
-        let values: Vec<f64> = (0..3).flat_map(|c| self.fixed.iter().map(move |&v| self.rest[v as usize][c])).collect();
-        let x = self.system.solve(&rhs, &values, 3);
-        (0..n).map(|i| Point3::new(x[i], x[n + i], x[2 * n + i])).collect()
+        let squares = self.elements.iter().zip(&residuals).map(|(e, r)| e.weight * r * r);
+        Ok(Solution { residual: (squares.sum::<f64>() / total).sqrt(), positions, energies })
     }
 
-    /// √(Σ w_t ‖(F̂_t − F_t) P_t‖² / Σ w_t): how far the gradients at `posed` are from the field, without unit.
-    pub fn residual(&self, field: &[Matrix3<f64>], posed: &[Point3<f64>]) -> f64 {
-        let (mut sum, mut total) = (0.0, 0.0);
-        for (((t, gradient), &w), f) in self.triangles.iter().zip(&self.gradients).zip(&self.weights).zip(field) {
-            let Some(gradient) = gradient else { continue };
-            let at_rest = gradient.of_posed(&t.map(|v| self.rest[v as usize]));
-            let now = gradient.of_posed(&t.map(|v| posed[v as usize]));
-            // of_posed at rest is the projection P.
-            sum += w * (f * at_rest - now).norm_squared();
-            total += w;
+    fn solve_weighted(&self, system: &Cholesky, field: &[Matrix3<f64>], weight: impl Fn(usize) -> f64) -> Vec<Point3<f64>> {
+        let n = system.size();
+        let mut x = vec![0.0; 3 * n];
+        for (t, (element, f)) in self.elements.iter().zip(field).enumerate() {
+            let b = f * element.pull * if element.gradient.is_some() { element.weight * weight(t) } else { 1.0 };
+            for (k, &v) in element.corners.iter().enumerate() {
+                if let Some(i) = self.unknown[v as usize] {
+                    (0..3).for_each(|c| x[c * n + i as usize] += b[(c, k)]);
+                }
+            }
         }
-        (sum / total).sqrt()
+        // Relative to the anchor, which drops out by that.
+        system.solve_in_place(&mut x, 3);
+        let anchor = self.rest[self.anchor as usize];
+        let place = |v: usize| match self.unknown[v] {
+            Some(i) => anchor + nalgebra::Vector3::new(x[i as usize], x[n + i as usize], x[2 * n + i as usize]),
+            None => self.rest[v],
+        };
+        (0..self.rest.len()).map(place).collect()
+    }
+
+    /// ‖(F̂_t − F_t) P_t‖ of each triangle; 0 without area.
+    fn residuals(&self, field: &[Matrix3<f64>], posed: &[Point3<f64>]) -> Vec<f64> {
+        let residual = |(element, f): (&Element, &Matrix3<f64>)| {
+            let Some(gradient) = &element.gradient else { return 0.0 };
+            // At rest the gradient of positions is the projection P itself.
+            let projection = gradient.of_posed(&element.corners.map(|v| self.rest[v as usize]));
+            (f * projection - gradient.of_posed(&element.corners.map(|v| posed[v as usize]))).norm()
+        };
+        self.elements.iter().zip(field).map(residual).collect()
     }
 }
 
-/// Holds the edges of a triangle without area; returns what a field multiplies into the right-hand side.
-fn tie(target: &Surface, t: &[u32; 3], assembly: &mut Assembly) -> Matrix3<f64> {
-    let mut pull = Matrix3::zeros();
-    for (i, j) in [(0, 1), (1, 2), (2, 0)] {
-        if t[i] != t[j] {
-            assembly.add_outer(&[t[i], t[j]], &[[1.0], [-1.0]], DEGENERATE_WEIGHT);
-            let edge = (target.positions[t[i] as usize] - target.positions[t[j] as usize]) * DEGENERATE_WEIGHT;
-            let (a, b) = (pull.column(i) + edge, pull.column(j) - edge);
-            pull.set_column(i, &a);
-            pull.set_column(j, &b);
+impl Element {
+    fn new(target: &Surface, corners: [u32; 3], weight: impl Fn(f64) -> f64) -> Self {
+        let gradient = gradients(&target.positions, &[corners])[0];
+        let pull = gradient.map_or_else(Matrix3::zeros, |g| g.of_corners);
+        Self { corners, gradient, weight: gradient.map_or(0.0, |g| weight(g.area)), pull, entries: [None; 6] }
+    }
+
+    /// Holds the edges of a triangle without area; returns their weight.
+    fn tie(&mut self, rest: &[Point3<f64>]) -> f64 {
+        for (a, b) in [(0, 1), (1, 2), (2, 0)] {
+            let edge = (rest[self.corners[a] as usize] - rest[self.corners[b] as usize]) * DEGENERATE_WEIGHT;
+            let (at_a, at_b) = (self.pull.column(a) + edge, self.pull.column(b) - edge);
+            self.pull.set_column(a, &at_a);
+            self.pull.set_column(b, &at_b);
+        }
+        DEGENERATE_WEIGHT
+    }
+}
+
+/// Adds w_t weight(t) gᵢ · gⱼ of all triangles with an area to the values of the lower triangle.
+fn add_stiffness(elements: &[Element], weight: impl Fn(usize) -> f64, values: &mut [f64]) {
+    for (t, element) in elements.iter().enumerate() {
+        let Some(gradient) = &element.gradient else { continue };
+        let w = element.weight * weight(t);
+        for ((a, b), entry) in PAIRS.into_iter().zip(element.entries) {
+            if let Some(entry) = entry {
+                values[entry as usize] += w * gradient.of_corners.column(a).dot(&gradient.of_corners.column(b));
+            }
         }
     }
-    pull
+}
+
+/// A number for each vertex that a triangle uses but for one, the anchor; and the anchor.
+fn unknowns(target: &Surface) -> (Vec<Option<u32>>, u32) {
+    let anchor = target.triangles.first().map_or(0, |t| t[0]);
+    let mut used = vec![false; target.vertex_count()];
+    target.triangles.iter().flatten().for_each(|&v| used[v as usize] = true);
+    used[anchor as usize] = false;
+    let mut count = 0;
+    let number = |used: &bool| {
+        used.then(|| {
+            count += 1;
+            count - 1
+        })
+    };
+    (used.iter().map(number).collect(), anchor)
 }

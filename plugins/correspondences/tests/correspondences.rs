@@ -1,0 +1,162 @@
+//! What correspondences promise beyond their contract.
+
+use mimesh_core::{
+    mesh::{Surface, SurfacePoint},
+    stage::{Correspondence, Marker, Pair},
+    testkit::{meshes, random::Random},
+};
+use mimesh_correspondences::{from_file::FromFile, identity::Identity, nearest::Nearest, nonrigid_fit::NonrigidFit};
+use nalgebra::{Point3, Rotation3, Vector3};
+
+/// An ellipsoid with three different axes and a bump, so that no turn maps it to itself.
+fn potato(level: usize) -> Surface {
+    let mut surface = meshes::icosphere(level);
+    for p in &mut surface.positions {
+        *p = Point3::new(2.0 * p.x + 0.5 * p.y * p.y, 1.2 * p.y + 0.3 * p.z * p.z, p.z);
+    }
+    surface
+}
+
+/// Markers between the vertices of `target` nearest to eight directions and the same places on `source`.
+fn markers(source: &Surface, target: &Surface) -> Vec<Marker> {
+    let nearest = |surface: &Surface, d: &Vector3<f64>| {
+        let along = |v: &u32| surface.positions[*v as usize].coords.dot(d);
+        (0..surface.vertex_count() as u32).max_by(|a, b| along(a).total_cmp(&along(b))).unwrap()
+    };
+    let mut random = Random::new(7);
+    let mut result: Vec<Marker> = Vec::new();
+    while result.len() < 14 {
+        let direction = random.vector();
+        let (s, t) = (SurfacePoint::Vertex(nearest(source, &direction)), SurfacePoint::Vertex(nearest(target, &direction)));
+        if result.iter().all(|m| m.source != s && m.target != t) {
+            result.push(Marker { name: result.len().to_string(), source: s, target: t });
+        }
+    }
+    result
+}
+
+fn error_of(stage: &dyn Correspondence, source: &Surface, target: &Surface, markers: &[Marker]) -> String {
+    let error = stage.correspond(Pair { source, target, markers }).unwrap_err();
+    format!("{error}\nhint: {}", error.hint().unwrap_or("none"))
+}
+
+#[test]
+fn a_fit_finds_the_same_place_on_another_mesh_of_another_size_and_place() {
+    let (source, mut target) = (potato(4), potato(3));
+    let markers = markers(&source, &target);
+    let rest = target.positions.clone();
+    let turn = Rotation3::from_euler_angles(0.1, -0.2, 0.15);
+    target.positions.iter_mut().for_each(|p| *p = turn * *p * 30.0 + Vector3::new(5.0, 600.0, -3.0));
+    let pair = Pair { source: &source, target: &target, markers: &markers };
+    let map = NonrigidFit::default().correspond(pair).unwrap();
+    assert_eq!(map.orphan_count(), 0);
+    let distance = |(p, point): (&Point3<f64>, &Option<SurfacePoint>)| {
+        (point.expect("every vertex has a point").position(&source, &source.positions) - p).norm()
+    };
+    let distances: Vec<f64> = rest.iter().zip(&map.points).map(distance).collect();
+    let mean = distances.iter().sum::<f64>() / distances.len() as f64 / source.diagonal();
+    // Markers lie up to half an edge of the coarser mesh apart (3 % of the diagonal); between them the fit is to slide
+    // less than that.
+    assert!(mean < 0.02, "mean distance to the true partner: {mean} diagonals");
+}
+
+#[test]
+fn markers_are_met_exactly_at_vertices_and_closely_inside_triangles() {
+    let (source, target) = (potato(3), potato(3));
+    let mut markers = markers(&source, &target);
+    markers.push(Marker {
+        name: "inside".into(),
+        source: SurfacePoint::Triangle(17, [0.2, 0.3, 0.5]),
+        target: SurfacePoint::Triangle(17, [0.2, 0.3, 0.5]),
+    });
+    let map = NonrigidFit::default().correspond(Pair { source: &source, target: &target, markers: &markers }).unwrap();
+    for marker in &markers[..14] {
+        let SurfacePoint::Vertex(v) = marker.target else { unreachable!("the first are vertices") };
+        assert_eq!(map.points[v as usize], Some(marker.source));
+    }
+    assert_eq!(map.partners[17], Some(17));
+}
+
+#[test]
+fn triangles_far_from_the_source_are_orphans_unless_they_have_a_marker() {
+    let source = potato(3);
+    let mut target = potato(3);
+    // Draw a cap of the target far out, which the source has nothing like.
+    let is_cap: Vec<bool> = target.positions.iter().map(|p| p.z > 0.6).collect();
+    target.positions.iter_mut().filter(|p| p.z > 0.6).for_each(|p| p.z += 4.0);
+    let on_cap = |m: &Marker| matches!(m.target, SurfacePoint::Vertex(v) if is_cap[v as usize]);
+    let markers: Vec<_> = markers(&source, &potato(3)).into_iter().filter(|m| !on_cap(m)).collect();
+    let stage = NonrigidFit { steps: 1, max_distance: 0.001, ..NonrigidFit::default() };
+    let map = stage.correspond(Pair { source: &source, target: &target, markers: &markers }).unwrap();
+    assert!(map.orphan_count() > 0, "some triangles are too far away");
+    for marker in &markers {
+        let SurfacePoint::Vertex(v) = marker.target else { unreachable!("all are vertices") };
+        for (t, _) in target.triangles.iter().enumerate().filter(|(_, t)| t.contains(&v)) {
+            assert!(map.partners[t].is_some(), "triangle {t} has a marker");
+        }
+    }
+}
+
+#[test]
+fn markers_that_do_not_do_are_refused_with_a_way_out() {
+    let sphere = potato(2);
+    let fit = NonrigidFit::default();
+    let marker = |name: &str, s, t| Marker { name: name.into(), source: SurfacePoint::Vertex(s), target: SurfacePoint::Vertex(t) };
+    let two = [marker("1", 0, 0), marker("2", 5, 5)];
+    assert_eq!(
+        error_of(&fit, &sphere, &sphere, &two),
+        "2 markers: expected at least 3\nhint: give pairs of corresponding points with `markers: FILE`; about 20, spread over \
+         the whole shape, do well"
+    );
+    let twice = [marker("nose", 0, 0), marker("ear", 5, 5), marker("chin", 7, 5)];
+    assert_eq!(
+        error_of(&fit, &sphere, &sphere, &twice),
+        "markers ear and chin lie on the same point of the target\nhint: remove one of the two; a point can have one partner only"
+    );
+    let beyond = [marker("nose", 0, 0), marker("ear", 5, 5), marker("chin", 7, 9999)];
+    assert!(error_of(&fit, &sphere, &sphere, &beyond).starts_with(
+        "marker chin: the target has no vertex 9999: expected 0 to 161\nhint: were source and target swapped"
+    ));
+    let line = meshes::grid(4, 4);
+    let on_a_line = [marker("1", 0, 0), marker("2", 1, 1), marker("3", 2, 2)];
+    assert!(error_of(&fit, &line, &line, &on_a_line).starts_with("the 3 markers lie on one line on the source"));
+    let two_parts = meshes::two_components();
+    let one_marked = [marker("1", 0, 0), marker("2", 1, 1), marker("3", 2, 2)];
+    let message = error_of(&fit, &two_parts, &two_parts, &one_marked);
+    assert!(message.starts_with("1 of the target's 2 components have no marker: ("), "{message}");
+    assert!(message.contains("multi_component"), "{message}");
+}
+
+#[test]
+fn surfaces_that_are_inside_out_are_warned_about() {
+    let source = potato(3);
+    let mut target = potato(3);
+    let markers = markers(&source, &target);
+    target.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+    let map = NonrigidFit::default().correspond(Pair { source: &source, target: &target, markers: &markers }).unwrap();
+    assert!(map.figures.warnings.iter().any(|w| w.contains("inside out")), "{:?}", map.figures);
+}
+
+#[test]
+fn identity_refuses_another_topology_and_says_where_it_differs() {
+    let (a, mut b) = (potato(2), potato(2));
+    assert!(error_of(&Identity {}, &a, &potato(1), &[]).starts_with("source and target have 320 and 80 triangles"));
+    b.triangles[9].rotate_left(1);
+    assert!(error_of(&Identity {}, &a, &b, &[]).contains("triangle 9 (from 0) differs"));
+}
+
+#[test]
+fn nearest_leaves_what_is_far_away_as_orphans() {
+    let source = potato(3);
+    let mut target = potato(2);
+    target.positions.iter_mut().filter(|p| p.x > 1.5).for_each(|p| p.x += 3.0);
+    let map = Nearest::default().correspond(Pair { source: &source, target: &target, markers: &[] }).unwrap();
+    assert!(map.orphan_count() > 0 && map.orphan_count() < target.triangle_count());
+}
+
+#[test]
+fn a_file_that_is_no_correspondence_is_refused_with_its_name() {
+    let sphere = potato(1);
+    let missing = FromFile { path: "missing.json".into() };
+    assert!(error_of(&missing, &sphere, &sphere, &[]).starts_with("missing.json: cannot read"));
+}

@@ -1,0 +1,113 @@
+//! glTF 2.0, binary and text: static meshes and morph targets in, one file with all poses out.
+//!
+//! In: the meshes of the default scene, one after another, in place; every morph target by itself is a pose. Numbers are
+//! read by [`accessor`], since the `gltf` crate reads quantised positions wrongly and panics on some damaged files.
+//! Out: a node an object, a primitive a material, vertices cut along seams, one morph target a pose, and an animation.
+
+mod accessor;
+mod animations;
+mod binary;
+mod container;
+mod plan;
+mod primitive;
+mod reader;
+mod scene;
+mod schema;
+mod writer;
+
+use std::path::Path;
+
+use mimesh_core::{
+    Result,
+    mesh::{Mesh, MeshSequence},
+    register,
+    stage::{Format, MeshWriter, SequenceFormat, SequenceWriter, WriteError},
+};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use writer::{Options, Writer};
+
+register!(Format: Glb);
+register!(Format: Gltf);
+
+/// Binary glTF 2.0: one file with the rest mesh, a named morph target a pose, and an animation that plays them.
+///
+/// Vertices of the mesh keep their numbers in a mesh of one object; copies along seams follow them. Positions are f32.
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Glb {
+    /// Poses a second in the animation; the first is shown at 0 seconds.
+    #[schemars(range(min = 0.001, max = 1_000_000.0))]
+    pub frames_per_second: f64,
+    /// Write the normals of every pose too: lit viewers need them, but they double the size.
+    pub pose_normals: bool,
+}
+
+impl Default for Glb {
+    fn default() -> Self {
+        Self { frames_per_second: 24.0, pose_normals: true }
+    }
+}
+
+/// glTF 2.0 as text with its numbers inside: as `glb`, a third larger, for tools that take no binary files.
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Gltf {
+    /// Poses a second in the animation; the first is shown at 0 seconds.
+    #[schemars(range(min = 0.001, max = 1_000_000.0))]
+    pub frames_per_second: f64,
+    /// Write the normals of every pose too: lit viewers need them, but they double the size.
+    pub pose_normals: bool,
+}
+
+impl Default for Gltf {
+    fn default() -> Self {
+        let Glb { frames_per_second, pose_normals } = Glb::default();
+        Self { frames_per_second, pose_normals }
+    }
+}
+
+#[typetag::serde(name = "glb")]
+impl Format for Glb {
+    fn extensions(&self) -> &'static [&'static str] {
+        &["glb"]
+    }
+
+    fn read(&self, path: &Path) -> Result<MeshSequence> {
+        reader::read(path)
+    }
+
+    fn writer(&self) -> Option<MeshWriter<'_>> {
+        Some(MeshWriter::Sequence(self))
+    }
+}
+
+impl SequenceFormat for Glb {
+    fn start(&self, mesh: &Mesh) -> Result<Box<dyn SequenceWriter>, WriteError> {
+        let &Self { frames_per_second, pose_normals } = self;
+        Ok(Box::new(Writer::new(Options { frames_per_second, pose_normals, binary: true }, mesh)?))
+    }
+}
+
+#[typetag::serde(name = "gltf")]
+impl Format for Gltf {
+    fn extensions(&self) -> &'static [&'static str] {
+        &["gltf"]
+    }
+
+    fn read(&self, path: &Path) -> Result<MeshSequence> {
+        reader::read(path)
+    }
+
+    fn writer(&self) -> Option<MeshWriter<'_>> {
+        Some(MeshWriter::Sequence(self))
+    }
+}
+
+impl SequenceFormat for Gltf {
+    fn start(&self, mesh: &Mesh) -> Result<Box<dyn SequenceWriter>, WriteError> {
+        let &Self { frames_per_second, pose_normals } = self;
+        Ok(Box::new(Writer::new(Options { frames_per_second, pose_normals, binary: false }, mesh)?))
+    }
+}

@@ -1,0 +1,446 @@
+//! glTF: what real files hold, what comes back, what the Khronos validator says, and what damaged files say.
+
+mod support;
+
+use std::{path::Path, process::Command};
+
+use mimesh_core::{
+    mesh::{CornerAttribute, Material, Mesh, MeshSequence, Part},
+    stage::{Format, MeshWriter},
+};
+use mimesh_formats::{Glb, Gltf, Obj};
+use nalgebra::{Point3, Vector3};
+use proptest::prelude::*;
+use support::{distance, grid, message, read, shared, twisted};
+
+/// Half a unit in the last place of an f32 at each of two additions, for coordinates up to `size`.
+fn f32_rounding(positions: &[Point3<f64>]) -> f64 {
+    let size = positions.iter().map(|p| p.coords.amax()).fold(0.0, f64::max);
+    2.0 * f64::from(f32::EPSILON) * size
+}
+
+/// A grid with two objects, three materials, seams in texture coordinates and hard edges.
+fn furnished() -> Mesh {
+    let mut mesh = grid(5);
+    let count = mesh.polygons.corner_count();
+    let part = |object: &str, material: Option<&str>, polygons| Part {
+        object: Some(object.into()),
+        groups: Vec::new(),
+        material: material.map(str::to_owned),
+        polygons,
+    };
+    mesh.parts = vec![part("left", Some("red"), 0..4), part("left", None, 4..8), part("right", Some("glass"), 8..16)];
+    mesh.materials = vec![
+        Material { name: "red".into(), base_color: [1.0, 0.25, 0.0, 1.0] },
+        Material { name: "glass".into(), base_color: [0.0, 0.5, 1.0, 0.5] },
+    ];
+    let uv = |corner: usize| [corner as f64 / count as f64, if corner < 16 { 0.25 } else { 0.75 }];
+    mesh.texture_coordinates =
+        Some(CornerAttribute { values: (0..count).map(uv).collect(), indices: (0..count as u32).map(Some).collect() });
+    let normals = vec![[0.0, 0.0, 1.0], [0.0, 0.6, 0.8]];
+    let indices = (0..count).map(|corner| Some(u32::from(corner >= 32))).collect();
+    mesh.normals = Some(CornerAttribute { values: normals, indices });
+    mesh
+}
+
+fn write_all(format: &dyn Format, mesh: &Mesh, poses: &[(&str, Vec<Point3<f64>>)]) -> Vec<u8> {
+    let Some(MeshWriter::Sequence(writer)) = format.writer() else { unreachable!("glTF holds sequences") };
+    let mut writer = writer.start(mesh).unwrap();
+    poses.iter().for_each(|(name, positions)| writer.add(name, positions).unwrap());
+    let mut out = Vec::new();
+    writer.finish(&mut out).unwrap();
+    out
+}
+
+/// Two poses: everything moves, and one vertex moves.
+fn poses(mesh: &Mesh) -> Vec<(&'static str, Vec<Point3<f64>>)> {
+    let mut one = mesh.positions.clone();
+    one[3] += Vector3::new(0.0, 0.25, 0.5);
+    vec![("twist", twisted(&mesh.positions)), ("one", one)]
+}
+
+fn corners(mesh: &Mesh, positions: &[Point3<f64>]) -> Vec<Point3<f64>> {
+    mesh.polygons.corners().iter().map(|&v| positions[v as usize]).collect()
+}
+
+/// Every triangle of a fan from the first corner.
+fn fans(mesh: &Mesh) -> Mesh {
+    let mut triangles = Vec::new();
+    for polygon in mesh.polygons.iter() {
+        triangles.extend(polygon[1..].windows(2).map(|pair| [polygon[0], pair[0], pair[1]]));
+    }
+    Mesh::from_triangles(mesh.positions.clone(), &triangles)
+}
+
+fn check(mesh: &Mesh, poses: &[(&str, Vec<Point3<f64>>)], back: &MeshSequence) {
+    let fans = fans(mesh);
+    let rest = corners(&fans, &mesh.positions);
+    assert!(distance(&corners(&back.rest, &back.rest.positions), &rest) <= f32_rounding(&rest));
+    assert_eq!(
+        back.poses.iter().map(|pose| &pose.name[..]).collect::<Vec<_>>(),
+        poses.iter().map(|p| p.0).collect::<Vec<_>>()
+    );
+    for (pose, (_, positions)) in back.poses.iter().zip(poses) {
+        let expected = corners(&fans, positions);
+        let bound = f32_rounding(&expected) + f32_rounding(&rest);
+        assert!(distance(&corners(&back.rest, &pose.positions), &expected) <= bound);
+    }
+}
+
+#[test]
+fn a_triangle_mesh_comes_back_with_its_order_and_its_poses() {
+    let mut mesh = fans(&grid(6));
+    // A vertex of no polygon keeps its place too.
+    mesh.positions.insert(36, Point3::new(0.5, 0.5, 0.5));
+    let poses = poses(&mesh);
+    for (format, name) in [(&Glb::default() as &dyn Format, "a.glb"), (&Gltf::default(), "a.gltf")] {
+        let back = read(format, name, &write_all(format, &mesh, &poses)).unwrap();
+        check(&mesh, &poses, &back);
+        assert_eq!(back.rest.polygons, mesh.polygons);
+        assert!(distance(&back.rest.positions, &mesh.positions) <= f32_rounding(&mesh.positions));
+        assert_eq!(back.warnings, Vec::<String>::new());
+        let animation = &back.animations[0];
+        assert_eq!((&animation.name[..], &animation.channels[..]), ("poses", &["morph targets".to_owned()][..]));
+        assert!((animation.seconds - 1.0 / 24.0).abs() < 1e-8);
+    }
+}
+
+#[test]
+fn parts_materials_and_attributes_come_back() {
+    let mesh = furnished();
+    let poses = poses(&mesh);
+    let back = read(&Glb::default(), "a.glb", &write_all(&Glb::default(), &mesh, &poses)).unwrap();
+    check(&mesh, &poses, &back);
+    let names = |mesh: &Mesh| mesh.parts.iter().map(|p| (p.object.clone(), p.material.clone())).collect::<Vec<_>>();
+    assert_eq!(names(&back.rest), names(&mesh));
+    assert_eq!(back.rest.parts.iter().map(|part| part.polygons.clone()).collect::<Vec<_>>(), [0..8, 8..16, 16..32]);
+    assert_eq!(back.rest.materials, mesh.materials);
+    let uv = back.rest.texture_coordinates.unwrap();
+    // The first corner of the second triangle of a quad is the quad's first.
+    let [u, v] = uv.values[uv.indices[3].unwrap() as usize];
+    assert!(u.abs() < 1e-7 && (v - 0.25).abs() < 1e-7);
+    let normals = back.rest.normals.unwrap();
+    assert_eq!(normals.values[normals.indices[95].unwrap() as usize].map(|x| x as f32), [0.0, 0.6, 0.8]);
+}
+
+#[test]
+fn without_poses_there_is_no_animation_and_equal_names_are_told_apart() {
+    let mesh = grid(3);
+    let back = read(&Glb::default(), "a.glb", &write_all(&Glb::default(), &mesh, &[])).unwrap();
+    assert!(back.poses.is_empty() && back.animations.is_empty());
+    let twice = [("a", mesh.positions.clone()), ("a", mesh.positions.clone())];
+    let back = read(&Glb::default(), "a.glb", &write_all(&Glb::default(), &mesh, &twice)).unwrap();
+    assert_eq!(back.poses.iter().map(|pose| &pose.name[..]).collect::<Vec<_>>(), ["a", "a-1"]);
+}
+
+#[test]
+fn still_vertices_cost_no_space() {
+    let mesh = grid(60);
+    let mut one = mesh.positions.clone();
+    one[7].z += 1.0;
+    let none = write_all(&Glb::default(), &mesh, &[]).len();
+    let still = write_all(&Glb::default(), &mesh, &[("still", mesh.positions.clone())]).len();
+    let one = write_all(&Glb::default(), &mesh, &[("one", one)]).len();
+    let all = write_all(&Glb::default(), &mesh, &[("all", twisted(&mesh.positions))]).len();
+    assert!(still < none + 1500 && one < none + 2000, "{none} {still} {one}");
+    assert!(all >= none + 2 * 12 * 3600);
+}
+
+#[test]
+fn equal_input_gives_equal_bytes() {
+    let mesh = furnished();
+    assert!(write_all(&Glb::default(), &mesh, &poses(&mesh)) == write_all(&Glb::default(), &mesh, &poses(&mesh)));
+}
+
+#[test]
+fn what_gltf_cannot_hold_is_an_error() {
+    let mut mesh = grid(3);
+    mesh.positions[4].x = 1e39;
+    let error = Glb::default().writer().map(|writer| match writer {
+        MeshWriter::Sequence(writer) => writer.start(&mesh).err().unwrap().to_string(),
+        MeshWriter::Pose(_) => unreachable!(),
+    });
+    assert_eq!(error.unwrap(), "vertex 4 (from 0) has coordinate 1e39, beyond the numbers of glTF");
+    let still = Glb { frames_per_second: 0.0, ..Glb::default() };
+    let Some(MeshWriter::Sequence(writer)) = still.writer() else { unreachable!() };
+    assert_eq!(
+        writer.start(&grid(3)).err().unwrap().to_string(),
+        "frames_per_second: expected 0.001 to 1000000, found 0"
+    );
+}
+
+/// Runs the Khronos validator; its counts of errors, warnings, infos and hints.
+fn validate(bytes: &[u8], name: &str) -> Option<String> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/gltf-validator");
+    if !folder.join("node_modules/gltf-validator").exists() {
+        assert_ne!(std::env::var("CI").as_deref(), Ok("true"), "gltf-validator is not installed");
+        eprintln!("skipped: run `npm ci --prefix tests/gltf-validator` for the glTF validator");
+        return None;
+    }
+    let file = tempfile::Builder::new().suffix(name).tempfile().unwrap();
+    std::fs::write(file.path(), bytes).unwrap();
+    let output = Command::new("node").arg(folder.join("validate.mjs")).arg(file.path()).output();
+    let output = output.expect("node is there where its packages are");
+    Some(String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr))
+}
+
+/// What is left of a report when texture coordinates may be there without a texture, as many are.
+fn without_textures(report: &str) -> String {
+    let (counts, messages) = report.split_once('\n').unwrap();
+    let messages: Vec<serde_json::Value> = serde_json::from_str(messages).unwrap_or_default();
+    let unused = |m: &serde_json::Value| {
+        m["code"] == "UNUSED_OBJECT" && m["pointer"].as_str().is_some_and(|at| at.ends_with("/TEXCOORD_0"))
+    };
+    let others: Vec<_> = messages.iter().filter(|message| !unused(message)).collect();
+    let quiet = counts.starts_with("{\"errors\":0,\"warnings\":0,") && others.is_empty();
+    if quiet { "no remarks".into() } else { report.into() }
+}
+
+#[test]
+fn the_khronos_validator_finds_nothing_to_say() {
+    let clean = "no remarks";
+    let mesh = furnished();
+    // Far more poses than are keyed densely, so that the weights are sparse.
+    let still: Vec<_> = (0..80).map(|_| ("still", mesh.positions.clone())).collect();
+    let all = [write_all(&Glb::default(), &mesh, &poses(&mesh)), write_all(&Glb::default(), &mesh, &still)];
+    let plain = write_all(&Glb { pose_normals: false, ..Glb::default() }, &grid(4), &poses(&grid(4)));
+    let empty = write_all(&Glb::default(), &grid(2), &[]);
+    for bytes in all.iter().chain([&plain, &empty]) {
+        let Some(report) = validate(bytes, ".glb") else { return };
+        assert_eq!(without_textures(&report), clean);
+    }
+    let text = write_all(&Gltf::default(), &mesh, &poses(&mesh));
+    assert_eq!(without_textures(&validate(&text, ".gltf").unwrap()), clean);
+}
+
+#[test]
+fn a_real_sequence_passes_the_khronos_validator() {
+    for (rest, pose) in [
+        ("sumner-camel-poses/camel-reference.obj", "sumner-camel-poses/camel-03.obj"),
+        ("ict-facekit/generic_neutral_mesh.obj", "ict-facekit/jawOpen.obj"),
+    ] {
+        let (Some(rest), Some(pose)) = (shared(rest), shared(pose)) else { return };
+        let mesh = Obj::default().read(&rest).unwrap().rest;
+        let poses = [("pose", Obj::default().read_pose(&pose, &mesh).unwrap())];
+        let bytes = write_all(&Glb::default(), &mesh, &poses);
+        let back = read(&Glb::default(), "a.glb", &bytes).unwrap();
+        assert_eq!(back.rest.polygons.len(), fans(&mesh).polygons.len());
+        assert!(
+            distance(&back.rest.positions[..mesh.positions.len()], &mesh.positions) <= f32_rounding(&mesh.positions)
+        );
+        let Some(report) = validate(&bytes, ".glb") else { return };
+        assert!(report.starts_with("{\"errors\":0,\"warnings\":0,"), "{report}");
+    }
+}
+
+#[test]
+fn real_files_hold_what_is_known_of_them() {
+    // Vertices, triangles, morph targets, animations.
+    let known = [
+        ("khronos-gltf/Fox.glb", [1728, 576, 0, 3]),
+        ("khronos-gltf/CesiumMan.glb", [3273, 4672, 0, 1]),
+        ("khronos-gltf/RiggedSimple.glb", [960, 892, 0, 1]),
+        ("khronos-gltf/SimpleSkin.gltf", [10, 8, 0, 1]),
+        ("khronos-gltf/MorphStressTest.gltf", [1528, 2412, 8, 3]),
+    ];
+    for (file, counts) in known {
+        let Some(path) = shared(file) else { continue };
+        let sequence = Glb::default().read(&path).unwrap();
+        let rest = &sequence.rest;
+        let found = [rest.positions.len(), rest.polygons.len(), sequence.poses.len(), sequence.animations.len()];
+        assert_eq!(found, counts, "{file}");
+    }
+    let Some(path) = shared("khronos-gltf/MorphStressTest.gltf") else { return };
+    let names: Vec<_> = Gltf::default().read(&path).unwrap().poses.into_iter().map(|pose| pose.name).collect();
+    assert_eq!(names, ["Key 1", "Key 2", "Key 3", "Key 4", "Key 5", "Key 6", "Key 7", "Key 8"]);
+    let Some(path) = shared("robot/RobotExpressive.glb") else { return };
+    let robot = Glb::default().read(&path).unwrap();
+    let names: Vec<_> = robot.poses.iter().map(|pose| &pose.name[..]).collect();
+    assert_eq!(names, ["Angry", "Surprised", "Sad"]);
+    assert_eq!(robot.animations.len(), 14);
+    let objects: std::collections::BTreeSet<_> = robot.rest.parts.iter().map(|part| &part.object).collect();
+    assert_eq!(objects.len(), 14);
+}
+
+#[test]
+fn positions_are_read_as_by_the_gltf_crate() {
+    for file in [
+        "khronos-gltf/BrainStem.glb",
+        "khronos-gltf/CesiumMan.glb",
+        "khronos-gltf/Fox.glb",
+        "robot/RobotExpressive.glb",
+    ] {
+        let Some(path) = shared(file) else { continue };
+        let ours = Glb::default().read(&path).unwrap().rest;
+        let theirs = corners_by_gltf(&path);
+        let ours = corners(&ours, &ours.positions);
+        // The crate multiplies matrices in f32, a chain of some ten nodes deep.
+        assert!(distance(&ours, &theirs) <= 20.0 * f32_rounding(&theirs), "{file}: {}", distance(&ours, &theirs));
+    }
+}
+
+/// Positions of all corners in the scene; skinned meshes as they are stored.
+fn corners_by_gltf(path: &Path) -> Vec<Point3<f64>> {
+    let gltf = gltf::Gltf::open(path).unwrap();
+    let blob = gltf.blob.clone().unwrap();
+    let mut found = Vec::new();
+    let mut pending: Vec<_> =
+        gltf.default_scene().unwrap().nodes().map(|node| (node, nalgebra::Matrix4::identity())).collect();
+    pending.reverse();
+    while let Some((node, parent)) = pending.pop() {
+        let matrix: nalgebra::Matrix4<f32> = parent * nalgebra::Matrix4::from(node.transform().matrix());
+        for primitive in node.mesh().iter().flat_map(|mesh| mesh.primitives()) {
+            let reader = primitive.reader(|_| Some(&blob));
+            let positions: Vec<_> = reader.read_positions().unwrap().collect();
+            let place = |p: [f32; 3]| {
+                let p = Point3::from(p);
+                let p = if node.skin().is_some() { p } else { matrix.transform_point(&p) };
+                p.map(f64::from)
+            };
+            match reader.read_indices() {
+                Some(indices) => found.extend(indices.into_u32().map(|i| place(positions[i as usize]))),
+                None => found.extend(positions.into_iter().map(place)),
+            }
+        }
+        let children: Vec<_> = node.children().map(|child| (child, matrix)).collect();
+        pending.extend(children.into_iter().rev());
+    }
+    found
+}
+
+#[test]
+fn nodes_place_meshes_and_primitives_share_vertices() {
+    // Four corners of a square as signed bytes at a stride of 4, normalised; a strip and a fan of them.
+    let bytes: Vec<u8> = [[0, 0, 0, 0], [127, 0, 0, 0], [0, 127, 0, 0], [127, 127, 0, 0_u8]].concat();
+    let json = serde_json::json!({
+        "asset": { "version": "2.0" },
+        "extensionsRequired": ["KHR_mesh_quantization"],
+        "buffers": [{ "byteLength": 20, "uri": "the%20numbers.bin" }],
+        "bufferViews": [
+            { "buffer": 0, "byteLength": 16, "byteStride": 4 }, { "buffer": 0, "byteOffset": 16, "byteLength": 4 },
+        ],
+        "accessors": [
+            { "bufferView": 0, "componentType": 5120, "normalized": true, "count": 4, "type": "VEC3" },
+            { "bufferView": 1, "componentType": 5121, "count": 4, "type": "SCALAR" },
+            { "bufferView": 0, "componentType": 5120, "count": 4, "type": "VEC3" },
+        ],
+        "meshes": [{ "primitives": [
+            { "attributes": { "POSITION": 0 }, "mode": 5, "targets": [{ "POSITION": 2 }] },
+            { "attributes": { "POSITION": 0 }, "mode": 6, "indices": 1, "targets": [{ "POSITION": 2 }] },
+            { "attributes": { "POSITION": 0 }, "mode": 0 },
+        ] }],
+        "nodes": [
+            { "children": [2], "translation": [0, 0, 5], "scale": [2, 2, 2] },
+            { "mesh": 0, "name": "mirrored", "scale": [-1, 1, 1] },
+            { "mesh": 0, "name": "turned", "rotation": [0, 0, 0.5_f64.sqrt(), 0.5_f64.sqrt()] },
+            { "mesh": 0, "name": "in no scene" },
+        ],
+        "scenes": [{ "nodes": [0, 1] }],
+    });
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("the numbers.bin"), [&bytes[..], &[0, 1, 3, 2]].concat()).unwrap();
+    let path = folder.path().join("a.gltf");
+    std::fs::write(&path, json.to_string()).unwrap();
+    let sequence = Gltf::default().read(&path).unwrap();
+    let mesh = &sequence.rest;
+    let p = Point3::new;
+    let expected = [
+        p(0., 0., 5.),
+        p(0., 2., 5.),
+        p(-2., 0., 5.),
+        p(-2., 2., 5.),
+        p(0., 0., 0.),
+        p(-1., 0., 0.),
+        p(0., 1., 0.),
+        p(-1., 1., 0.),
+    ];
+    // A quaternion of unit length to the last bit.
+    assert!(distance(&mesh.positions, &expected) < 1e-15);
+    assert_eq!(
+        mesh.polygons.iter().map(<[u32]>::to_vec).collect::<Vec<_>>(),
+        [[0, 1, 2], [1, 3, 2], [0, 1, 3], [0, 3, 2], [4, 6, 5], [5, 6, 7], [4, 7, 5], [4, 6, 7],]
+    );
+    let surface = mimesh_core::mesh::Surface::new(mesh).unwrap();
+    assert!(surface.area_normals(&surface.positions).iter().all(|normal| normal.z > 0.0));
+    assert_eq!(
+        mesh.parts.iter().map(|part| part.object.as_deref().unwrap()).collect::<Vec<_>>(),
+        ["turned", "mirrored"]
+    );
+    assert_eq!(sequence.warnings, ["2 primitives of points or lines were left out"]);
+    // The displacements are turned and scaled as the mesh is.
+    assert_eq!(sequence.poses.len(), 1);
+    assert_eq!(sequence.poses[0].name, "target-0");
+    assert!((sequence.poses[0].positions[1] - p(0., 256., 5.)).norm() < 1e-12);
+    assert!((sequence.poses[0].positions[5] - p(-128., 0., 0.)).norm() < 1e-12);
+}
+
+#[test]
+fn damaged_and_unsupported_files_say_why() {
+    let gltf = |json: &str| message(&read(&Gltf::default(), "a.gltf", json.as_bytes()).unwrap_err());
+    let cases = [
+        ("{}", "a.gltf: glTF version ``: expected 2.0\n"),
+        ("nonsense", "a.gltf: not the JSON of a glTF: expected ident at line 1 column 2\n"),
+        (r#"{"asset":{"version":"2.0"}}"#, "a.gltf: empty mesh: 0 vertices, 0 polygons\n"),
+        (
+            r#"{"asset":{"version":"2.0"},"extensionsRequired":["KHR_draco_mesh_compression"]}"#,
+            "a.gltf: the mesh is compressed with KHR_draco_mesh_compression, which is not supported\n",
+        ),
+        (
+            r#"{"asset":{"version":"2.0"},"extensionsRequired":["KHR_materials_unlit","ACME_magic"]}"#,
+            "a.gltf: the file requires the extension ACME_magic, which is not supported\n",
+        ),
+        (r#"{"asset":{"version":"2.0"},"scene":3}"#, "a.gltf: scene 3 does not exist: there are 0 (from 0)\n"),
+        (
+            r#"{"asset":{"version":"2.0"},"nodes":[{"children":[1]},{"children":[0]}],"scenes":[{"nodes":[0]}]}"#,
+            "a.gltf: node 0 stands in two places of the scene\n",
+        ),
+        (
+            r#"{"asset":{"version":"2.0"},"nodes":[{"mesh":0}],"meshes":[{"name":"m","primitives":[{"attributes":{"POSITION":9}}]}]}"#,
+            "a.gltf: mesh `m`, primitive 0: accessor 9 does not exist: there are 0 (from 0)\n",
+        ),
+        (r#"{"asset":{"version":"2.0"},"buffers":[{"byteLength":4}]}"#, "a.gltf: buffer 0 has no data\n"),
+    ];
+    for (json, expected) in cases {
+        let found = gltf(json);
+        assert!(found.starts_with(expected), "{found}");
+    }
+    let missing = read(
+        &Gltf::default(),
+        "a.gltf",
+        br#"{"asset":{"version":"2.0"},"buffers":[{"byteLength":4,"uri":"my%20data.bin"}]}"#,
+    );
+    assert!(message(&missing.unwrap_err()).starts_with("my data.bin: cannot read: "));
+}
+
+#[test]
+fn a_cut_real_file_is_an_error() {
+    let Some(path) = shared("khronos-gltf/Fox.glb") else { return };
+    let bytes = std::fs::read(path).unwrap();
+    for length in [0, 3, 4, 11, 12, 19, 20, 1000, bytes.len() / 2, bytes.len() - 1] {
+        assert!(read(&Glb::default(), "fox.glb", &bytes[..length]).is_err());
+    }
+}
+
+proptest! {
+    #[test]
+    fn no_damage_makes_the_reader_panic(edits in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..8), cut in any::<prop::sample::Index>()) {
+        let mut bytes = write_all(&Glb::default(), &furnished(), &poses(&furnished()));
+        edits.iter().for_each(|(at, byte)| { let at = at.index(bytes.len()); bytes[at] = *byte; });
+        if let Ok(sequence) = read(&Glb::default(), "a.glb", &bytes) {
+            sequence.rest.validate().unwrap();
+        }
+        let _ = read(&Glb::default(), "a.glb", &bytes[..cut.index(bytes.len())]);
+    }
+
+    #[test]
+    fn no_damaged_number_in_the_json_makes_the_reader_panic(edits in prop::collection::vec((any::<prop::sample::Index>(), prop::sample::select(b"0123456789".to_vec())), 1..6)) {
+        let mut bytes = write_all(&Glb::default(), &furnished(), &poses(&furnished()));
+        let end = 20 + u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;
+        let digits: Vec<_> = (20..end).filter(|&at| bytes[at].is_ascii_digit()).collect();
+        edits.iter().for_each(|(at, byte)| bytes[digits[at.index(digits.len())]] = *byte);
+        if let Ok(sequence) = read(&Glb::default(), "a.glb", &bytes) {
+            sequence.rest.validate().unwrap();
+            sequence.poses.iter().for_each(|pose| assert_eq!(pose.positions.len(), sequence.rest.positions.len()));
+        }
+    }
+}
