@@ -137,7 +137,8 @@ impl Cholesky {
             .map(|_| ())
             .map_err(|_| Error::Singular {
                 what: self.what,
-                hint: "look for parts of the mesh without area or without any tie to the rest: `mimesh inspect MESH`".into(),
+                hint: "look for parts of the mesh without area or without any tie to the rest: `mimesh inspect MESH`"
+                    .into(),
             })
     }
 

@@ -68,7 +68,10 @@ impl Mesh {
         for (polygon, corners) in self.polygons.iter().enumerate() {
             if let Some(&corner) = corners.iter().find(|&&c| c as usize >= self.positions.len()) {
                 return Err(Error::data(
-                    format!("polygon {polygon} refers to vertex {corner}, but there are {} (from 0)", self.positions.len()),
+                    format!(
+                        "polygon {polygon} refers to vertex {corner}, but there are {} (from 0)",
+                        self.positions.len()
+                    ),
                     "export the mesh again; the file is damaged or cut short",
                 ));
             }

@@ -43,7 +43,10 @@ impl Surface {
             }
         }
         if triangles.is_empty() {
-            return Err(Error::data("empty mesh: no polygon has three corners", "give a mesh with at least one triangle"));
+            return Err(Error::data(
+                "empty mesh: no polygon has three corners",
+                "give a mesh with at least one triangle",
+            ));
         }
         let first_of = weld::seams(&mesh.positions, &triangles);
         let mut number = vec![0; first_of.len()];
@@ -117,7 +120,10 @@ impl Surface {
                 let is_in = |v: u32| components.of_vertex[v as usize] == Some(c as u32);
                 let first = components.of_vertex.iter().position(|of| *of == Some(c as u32)).unwrap_or(0);
                 let triangle = self.triangles.iter().position(|t| is_in(t[0])).unwrap_or(0);
-                let name = self.part_of.get(triangle).map_or_else(String::new, |&p| format!("{} ", self.part_names[p as usize]));
+                let name = self
+                    .part_of
+                    .get(triangle)
+                    .map_or_else(String::new, |&p| format!("{} ", self.part_names[p as usize]));
                 format!("{name}({} vertices, from vertex {})", components.sizes[c], self.first_copy[first])
             })
             .collect();
@@ -202,7 +208,8 @@ mod tests {
     #[test]
     fn polygons_are_fanned_from_their_first_corner() {
         let p = |x: f64, y: f64| Point3::new(x, y, 0.0);
-        let mut mesh = Mesh { positions: vec![p(0., 0.), p(1., 0.), p(2., 1.), p(1., 2.), p(0., 1.)], ..Mesh::default() };
+        let mut mesh =
+            Mesh { positions: vec![p(0., 0.), p(1., 0.), p(2., 1.), p(1., 2.), p(0., 1.)], ..Mesh::default() };
         mesh.polygons.push(&[2, 3, 4, 0, 1]);
         let surface = Surface::new(&mesh).unwrap();
         assert_eq!(surface.triangles, [[2, 3, 4], [2, 4, 0], [2, 0, 1]]);

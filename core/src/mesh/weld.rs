@@ -45,7 +45,8 @@ mod tests {
     fn a_split_edge_is_sewn_and_a_touching_corner_is_not() {
         let p = |x: f64, y: f64| Point3::new(x, y, 0.0);
         // Two triangles along the edge (1,0)-(0,1), split; a third touches only at (0,0).
-        let positions = vec![p(0., 0.), p(1., 0.), p(0., 1.), p(0., 1.), p(1., 0.), p(1., 1.), p(0., 0.), p(-1., 0.), p(0., -1.)];
+        let positions =
+            vec![p(0., 0.), p(1., 0.), p(0., 1.), p(0., 1.), p(1., 0.), p(1., 1.), p(0., 0.), p(-1., 0.), p(0., -1.)];
         let triangles = [[0, 1, 2], [3, 4, 5], [6, 7, 8]];
         assert_eq!(seams(&positions, &triangles), [0, 1, 2, 2, 1, 5, 6, 7, 8]);
     }

@@ -23,8 +23,9 @@ use nalgebra::Point3;
 /// Whether a triangle is too thin to have a usable normal: twice its area is below 1e-10 of its longest edge squared.
 pub fn is_degenerate(&[a, b, c]: &[Point3<f64>; 3]) -> bool {
     let longest = (b - a).norm_squared().max((c - b).norm_squared()).max((a - c).norm_squared());
-    // Written so that NaN counts as degenerate.
-    !((b - a).cross(&(c - a)).norm() > 1e-10 * longest)
+    // Asked this way round, NaN counts as degenerate.
+    let has_area = (b - a).cross(&(c - a)).norm() > 1e-10 * longest;
+    !has_area
 }
 
 #[cfg(test)]

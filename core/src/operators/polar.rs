@@ -23,7 +23,8 @@ fn newton(f: &Matrix3<f64>) -> Option<Matrix3<f64>> {
     let norm = f.norm();
     let f = f / norm;
     // Far from singular and not a reflection: the iteration then keeps the sign of the determinant.
-    if !(f.determinant() > 1e-6) {
+    let far_from_singular = f.determinant() > 1e-6;
+    if !far_from_singular {
         return None;
     }
     let mut r = f;

@@ -44,12 +44,7 @@ impl ClosestPoint {
     }
 
     /// The closest point of the triangles that `accept` takes, if there is one nearer than `max_distance`.
-    pub fn find(
-        &self,
-        query: &Point3<f64>,
-        max_distance: f64,
-        accept: impl Fn(u32) -> bool,
-    ) -> Option<OnSurface> {
+    pub fn find(&self, query: &Point3<f64>, max_distance: f64, accept: impl Fn(u32) -> bool) -> Option<OnSurface> {
         let query = Vector::new(query.x, query.y, query.z);
         let found = self.mesh.bvh().find_best(
             max_distance,

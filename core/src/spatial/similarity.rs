@@ -31,8 +31,11 @@ pub enum Orientation {
 
 impl Similarity {
     /// Nothing moves.
-    pub const IDENTITY: Self =
-        Self { scale: 1.0, rotation: Matrix3::new(1., 0., 0., 0., 1., 0., 0., 0., 1.), translation: Vector3::new(0., 0., 0.) };
+    pub const IDENTITY: Self = Self {
+        scale: 1.0,
+        rotation: Matrix3::new(1., 0., 0., 0., 1., 0., 0., 0., 1.),
+        translation: Vector3::new(0., 0., 0.),
+    };
 
     /// The similarity that takes points `from` to points `to` with least squares, each pair counting by its weight
     /// (Umeyama 1991), turned as `orientation` allows.

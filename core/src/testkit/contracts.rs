@@ -55,12 +55,13 @@ pub fn correspondence(name: &str, stage: &dyn Correspondence) {
     map.check(pair).unwrap_or_else(|error| panic!("{name}: {error}"));
     assert!(map == one_thread(run), "{name}: another map on one thread");
     let barycentres = surface.barycentres(&surface.positions);
-    let edge = surface.triangles.iter().map(|t| {
-        (surface.positions[t[0] as usize] - surface.positions[t[1] as usize]).norm()
-    });
+    let edge =
+        surface.triangles.iter().map(|t| (surface.positions[t[0] as usize] - surface.positions[t[1] as usize]).norm());
     let edge = edge.fold(0.0, f64::max);
     for (t, partner) in map.partners.iter().enumerate() {
-        let Some(partner) = *partner else { panic!("{name}: triangle {t} of a surface paired with itself is an orphan") };
+        let Some(partner) = *partner else {
+            panic!("{name}: triangle {t} of a surface paired with itself is an orphan")
+        };
         let distance = (barycentres[t] - barycentres[partner as usize]).norm();
         assert!(distance <= edge, "{name}: triangle {t} paired with itself gives {partner}, {distance} away");
     }

@@ -37,12 +37,7 @@ impl Facing {
     }
 
     /// For each vertex the closest valid point of the source nearer than `limit`.
-    pub fn points(
-        &self,
-        positions: &[Point3<f64>],
-        normals: &[Vector3<f64>],
-        limit: f64,
-    ) -> Vec<Option<SurfacePoint>> {
+    pub fn points(&self, positions: &[Point3<f64>], normals: &[Vector3<f64>], limit: f64) -> Vec<Option<SurfacePoint>> {
         let find = |(p, n)| self.find(p, n, limit).map(|f| SurfacePoint::Triangle(f.triangle, f.barycentric));
         (positions, normals).into_par_iter().map(find).collect()
     }

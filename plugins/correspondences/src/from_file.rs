@@ -3,7 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use mimesh_core::{
-    Error, Figures, Result, mesh::SurfacePoint, register,
+    Error, Figures, Result,
+    mesh::SurfacePoint,
+    register,
     stage::{Correspondence, Pair, TriangleMap},
 };
 use schemars::JsonSchema;

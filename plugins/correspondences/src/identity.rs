@@ -22,7 +22,11 @@ impl Correspondence for Identity {
         if source.len() != target.len() || differs.is_some() {
             let place = differs.map_or_else(String::new, |t| format!(", and triangle {t} (from 0) differs"));
             return Err(Error::data(
-                format!("source and target have {} and {} triangles{place}: expected one topology", source.len(), target.len()),
+                format!(
+                    "source and target have {} and {} triangles{place}: expected one topology",
+                    source.len(),
+                    target.len()
+                ),
                 "use `correspondence: { type: nonrigid_fit }` with markers for meshes of different topology",
             ));
         }

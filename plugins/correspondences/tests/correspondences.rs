@@ -27,7 +27,8 @@ fn markers(source: &Surface, target: &Surface) -> Vec<Marker> {
     let mut result: Vec<Marker> = Vec::new();
     while result.len() < 14 {
         let direction = random.vector();
-        let (s, t) = (SurfacePoint::Vertex(nearest(source, &direction)), SurfacePoint::Vertex(nearest(target, &direction)));
+        let (s, t) =
+            (SurfacePoint::Vertex(nearest(source, &direction)), SurfacePoint::Vertex(nearest(target, &direction)));
         if result.iter().all(|m| m.source != s && m.target != t) {
             result.push(Marker { name: result.len().to_string(), source: s, target: t });
         }
@@ -101,7 +102,11 @@ fn triangles_far_from_the_source_are_orphans_unless_they_have_a_marker() {
 fn markers_that_do_not_do_are_refused_with_a_way_out() {
     let sphere = potato(2);
     let fit = NonrigidFit::default();
-    let marker = |name: &str, s, t| Marker { name: name.into(), source: SurfacePoint::Vertex(s), target: SurfacePoint::Vertex(t) };
+    let marker = |name: &str, s, t| Marker {
+        name: name.into(),
+        source: SurfacePoint::Vertex(s),
+        target: SurfacePoint::Vertex(t),
+    };
     let two = [marker("1", 0, 0), marker("2", 5, 5)];
     assert_eq!(
         error_of(&fit, &sphere, &sphere, &two),

@@ -40,11 +40,7 @@ impl Alignment {
         }
         normalise(&mut source_weights);
         normalise(&mut target_weights);
-        Self {
-            target_from_source: Similarity::fit(&from, &to, &weights, orientation),
-            source_weights,
-            target_weights,
-        }
+        Self { target_from_source: Similarity::fit(&from, &to, &weights, orientation), source_weights, target_weights }
     }
 
     /// Mean of the source points when the source is at `positions`.

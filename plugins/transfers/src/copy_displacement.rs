@@ -33,7 +33,12 @@ impl Transfer for CopyDisplacement {
         map.check(pair)?;
         let target_from_source = Alignment::new(pair, map, self.orientation).target_from_source;
         let points = points(pair, map)?;
-        Ok(Box::new(Bound { source: pair.source.clone(), rest: pair.target.positions.clone(), points, target_from_source }))
+        Ok(Box::new(Bound {
+            source: pair.source.clone(),
+            rest: pair.target.positions.clone(),
+            points,
+            target_from_source,
+        }))
     }
 }
 
@@ -69,7 +74,8 @@ impl BoundTransfer for Bound {
         check_finite(posed)?;
         let Similarity { scale, rotation, .. } = self.target_from_source;
         let moved = |(rest, point): (&Point3<f64>, &SurfacePoint)| {
-            let displacement = point.position(&self.source, posed) - point.position(&self.source, &self.source.positions);
+            let displacement =
+                point.position(&self.source, posed) - point.position(&self.source, &self.source.positions);
             rest + rotation * displacement * scale
         };
         let positions: Vec<_> = self.rest.iter().zip(&self.points).map(moved).collect();

@@ -145,8 +145,7 @@ impl Extension {
         let n = self.triangles.len();
         // The nine entries of F − I, because the weak pull goes to 0.
         let mut values = Vec::with_capacity(9 * self.held);
-        for k in 0..9 {
-            let identity = if k % 4 == 0 { 1.0 } else { 0.0 };
+        for (k, identity) in Matrix3::<f64>::identity().iter().enumerate() {
             values.extend(self.triangles[..self.held].iter().map(|&t| field[t as usize][k] - identity));
         }
         let x = self.system.solve(&vec![0.0; 9 * n], &values, 9);

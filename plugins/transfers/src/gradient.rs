@@ -27,13 +27,7 @@ use nalgebra::Point3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::{
-    Placement,
-    alignment::Alignment,
-    field::Field,
-    placement::BoundPlacement,
-    poisson::Poisson,
-};
+use crate::{Placement, alignment::Alignment, field::Field, placement::BoundPlacement, poisson::Poisson};
 
 register!(Transfer: GradientTransfer);
 

@@ -35,7 +35,10 @@ impl Placement {
         let (source_points, target_points): (Weighted, Weighted) = match self {
             Self::Motion | Self::Rest => (vec![], vec![]),
             Self::Markers if pair.markers.is_empty() => {
-                return Err(Error::data("placement: no markers to follow", "give `markers: FILE`, or `placement: motion`"));
+                return Err(Error::data(
+                    "placement: no markers to follow",
+                    "give `markers: FILE`, or `placement: motion`",
+                ));
             }
             Self::Markers => (
                 pair.markers.iter().flat_map(|m| m.source.corners(source)).collect(),

@@ -80,7 +80,8 @@ impl Poisson {
         for element in &mut elements {
             let value = if element.gradient.is_none() { element.tie(&target.positions) } else { 0.0 };
             for (a, b) in PAIRS {
-                if let (Some(i), Some(j)) = (unknown[element.corners[a] as usize], unknown[element.corners[b] as usize]) {
+                if let (Some(i), Some(j)) = (unknown[element.corners[a] as usize], unknown[element.corners[b] as usize])
+                {
                     pattern.add(i as usize, j as usize, if a == b { 2.0 * value } else { -value });
                 }
             }
@@ -114,7 +115,9 @@ impl Poisson {
     pub fn solve(&self, field: &[Matrix3<f64>], steps: usize, epsilon: f64) -> Result<Solution> {
         let total: f64 = self.elements.iter().map(|e| e.weight).sum();
         let energy = |residuals: &[f64]| {
-            let rho = |r: f64| if steps == 0 { r * r } else { 2.0 * epsilon * ((r * r + epsilon * epsilon).sqrt() - epsilon) };
+            let rho = |r: f64| {
+                if steps == 0 { r * r } else { 2.0 * epsilon * ((r * r + epsilon * epsilon).sqrt() - epsilon) }
+            };
             self.elements.iter().zip(residuals).map(|(e, &r)| e.weight * rho(r)).sum::<f64>() / total
         };
         let mut positions = self.solve_weighted(&self.factored, field, |_| 1.0);
@@ -137,7 +140,12 @@ impl Poisson {
         Ok(Solution { residual: (squares.sum::<f64>() / total).sqrt(), positions, energies })
     }
 
-    fn solve_weighted(&self, system: &Cholesky, field: &[Matrix3<f64>], weight: impl Fn(usize) -> f64) -> Vec<Point3<f64>> {
+    fn solve_weighted(
+        &self,
+        system: &Cholesky,
+        field: &[Matrix3<f64>],
+        weight: impl Fn(usize) -> f64,
+    ) -> Vec<Point3<f64>> {
         let n = system.size();
         let mut x = vec![0.0; 3 * n];
         for (t, (element, f)) in self.elements.iter().zip(field).enumerate() {

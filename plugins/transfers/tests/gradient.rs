@@ -31,7 +31,13 @@ fn bent(positions: &[Point3<f64>]) -> Vec<Point3<f64>> {
     positions.iter().map(|p| Rotation3::from_axis_angle(&Vector3::z_axis(), 0.4 * p.x) * p).collect()
 }
 
-fn run(stage: &dyn Transfer, source: &Surface, target: &Surface, map: &TriangleMap, posed: &[Point3<f64>]) -> Transferred {
+fn run(
+    stage: &dyn Transfer,
+    source: &Surface,
+    target: &Surface,
+    map: &TriangleMap,
+    posed: &[Point3<f64>],
+) -> Transferred {
     stage.bind(Pair { source, target, markers: &[] }, map).unwrap().transfer(posed).unwrap()
 }
 
@@ -58,8 +64,11 @@ fn a_surface_onto_itself_returns_its_poses_with_every_option() {
 #[test]
 fn a_target_that_is_turned_scaled_and_elsewhere_moves_the_same_way_in_its_own_frame() {
     let bar = bar();
-    for (seed, turn) in [(1, Rotation3::identity()), (2, Rotation3::from_euler_angles(-std::f64::consts::FRAC_PI_2, 0.0, 0.0))] {
-        let place = Similarity { scale: 0.01, rotation: *turn.matrix(), translation: Random::new(seed).vector() * 50.0 };
+    for (seed, turn) in
+        [(1, Rotation3::identity()), (2, Rotation3::from_euler_angles(-std::f64::consts::FRAC_PI_2, 0.0, 0.0))]
+    {
+        let place =
+            Similarity { scale: 0.01, rotation: *turn.matrix(), translation: Random::new(seed).vector() * 50.0 };
         let placed = |positions: &[Point3<f64>]| positions.iter().map(|p| place.apply(p)).collect::<Vec<_>>();
         let target = Surface::from_triangles(placed(&bar.positions), bar.triangles.clone()).unwrap();
         let pose: Vec<_> = bent(&bar.positions).iter().map(|p| p + Vector3::new(0.0, 3.0, 0.0)).collect();
@@ -73,7 +82,8 @@ fn a_target_that_is_turned_scaled_and_elsewhere_moves_the_same_way_in_its_own_fr
 fn any_turn_is_followed_when_asked_for_and_none_when_the_axes_are_said_to_be_the_same() {
     let bar = bar();
     let turn = Rotation3::from_euler_angles(0.0, 0.0, 0.3);
-    let target = Surface::from_triangles(bar.positions.iter().map(|p| turn * p).collect(), bar.triangles.clone()).unwrap();
+    let target =
+        Surface::from_triangles(bar.positions.iter().map(|p| turn * p).collect(), bar.triangles.clone()).unwrap();
     let pose = bent(&bar.positions);
     let with = |orientation| {
         let stage = GradientTransfer { orientation, ..GradientTransfer::default() };
@@ -93,7 +103,12 @@ fn source_points_carry_a_bend_to_another_mesh_of_the_same_bar() {
     let map = TriangleMap {
         source_triangles: source.triangle_count(),
         partners: target.barycentres(&target.positions).iter().map(|p| Some(at(p).triangle)).collect(),
-        points: target.positions.iter().map(at).map(|f| Some(SurfacePoint::Triangle(f.triangle, f.barycentric))).collect(),
+        points: target
+            .positions
+            .iter()
+            .map(at)
+            .map(|f| Some(SurfacePoint::Triangle(f.triangle, f.barycentric)))
+            .collect(),
         ..TriangleMap::default()
     };
     let pose = bent(&source.positions);
@@ -147,7 +162,9 @@ fn reweighting_never_raises_the_energy_and_says_how_often_it_solved() {
 
 #[test]
 fn triangles_without_area_and_loose_vertices_give_finite_results() {
-    for mesh in [meshes::with_zero_area_triangle(), meshes::with_unreferenced_vertex(), meshes::with_duplicated_vertex()] {
+    for mesh in
+        [meshes::with_zero_area_triangle(), meshes::with_unreferenced_vertex(), meshes::with_duplicated_vertex()]
+    {
         let surface = Surface::new(&mesh).unwrap();
         if surface.components().count() > 1 {
             continue;
@@ -205,7 +222,8 @@ fn a_map_for_other_meshes_is_refused() {
 #[test]
 fn copied_displacements_are_exact_for_a_move_and_scale_with_the_target() {
     let bar = bar();
-    let target = Surface::from_triangles(bar.positions.iter().map(|p| p * 2.0).collect(), bar.triangles.clone()).unwrap();
+    let target =
+        Surface::from_triangles(bar.positions.iter().map(|p| p * 2.0).collect(), bar.triangles.clone()).unwrap();
     let pose: Vec<_> = bar.positions.iter().map(|p| p + Vector3::new(0.0, 0.5, 0.0)).collect();
     let result = run(&CopyDisplacement::default(), &bar, &target, &identity_map(&bar), &pose);
     let expected: Vec<_> = target.positions.iter().map(|p| p + Vector3::new(0.0, 1.0, 0.0)).collect();

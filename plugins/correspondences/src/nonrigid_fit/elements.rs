@@ -98,15 +98,22 @@ impl<'a> Elements<'a> {
         let system = FixedUnknowns::new(&assembly.finish(), &fixed, "the fit of the target to the markers")?;
         let total: f64 = self.mass.iter().sum();
         let share = self.mass.iter().map(|m| m / total * self.mass.len() as f64).collect();
-        Ok(System { added: vec![0.0; system.free_count()], system, rhs, values: values.concat(), share, weight: 0.0, x: vec![] })
+        Ok(System {
+            added: vec![0.0; system.free_count()],
+            system,
+            rhs,
+            values: values.concat(),
+            share,
+            weight: 0.0,
+            x: vec![],
+        })
     }
 
     /// E_S of the last solution: Σ over adjacent triangles ‖F_a − F_b‖².
     pub fn smoothness_energy(&self, system: &System) -> f64 {
         let at = |unknown: u32, c: usize| system.x[c * self.unknowns + unknown as usize];
-        let of = |e: &Element| {
-            Matrix3::from_fn(|c, j| (0..4).map(|k| at(e.unknowns[k], c) * e.gradient[k][j]).sum::<f64>())
-        };
+        let of =
+            |e: &Element| Matrix3::from_fn(|c, j| (0..4).map(|k| at(e.unknowns[k], c) * e.gradient[k][j]).sum::<f64>());
         let squares = self.surface.topology().adjacent.into_iter().filter_map(|[a, b]| {
             let (a, b) = (self.elements[a as usize].as_ref()?, self.elements[b as usize].as_ref()?);
             Some((of(a) - of(b)).norm_squared())

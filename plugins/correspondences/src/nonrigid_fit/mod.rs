@@ -179,7 +179,8 @@ struct UnitFrame {
 impl UnitFrame {
     /// Lays the source on the target as the markers say.
     fn new(pair: Pair<'_>, orientation: Orientation) -> Self {
-        let from: Vec<_> = pair.markers.iter().map(|m| m.source.position(pair.source, &pair.source.positions)).collect();
+        let from: Vec<_> =
+            pair.markers.iter().map(|m| m.source.position(pair.source, &pair.source.positions)).collect();
         let to: Vec<_> = pair.markers.iter().map(|m| m.target.position(pair.target, &pair.target.positions)).collect();
         let aligned = Similarity::fit(&from, &to, &vec![1.0; from.len()], orientation);
         let (low, high) = mimesh_core::mesh::bounding_box(&pair.target.positions);
