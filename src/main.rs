@@ -1,1 +1,7 @@
-fn main() {}
+//! The `mimesh` command.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    mimesh::cli::main()
+}

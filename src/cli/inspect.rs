@@ -1,0 +1,202 @@
+use std::path::PathBuf;
+
+use serde_json::{Value, json};
+
+use super::{
+    Ended, terminal,
+    text::{bytes, count, number, pairs, seconds, thousands},
+};
+use crate::{
+    core::mesh::{MeshSequence, Statistics},
+    mistake::{Mistake, Place},
+    pipeline::{Formats, check::in_file},
+    status::Status,
+};
+
+/// Looks at a mesh: counts, components, defects, size, parts, morph targets and animations.
+#[derive(Debug, clap::Args)]
+pub struct Inspect {
+    /// The mesh's file
+    mesh: PathBuf,
+    /// Print everything as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+impl Inspect {
+    /// Runs the command.
+    pub fn run(&self) -> Ended {
+        let file = &self.mesh;
+        let formats = Formats::new(vec![]);
+        let format = formats.reader(file).map_err(|unknown| {
+            Mistake::new(Status::BadData, unknown.message).at(Place::File(file.clone())).hint(unknown.hint)
+        })?;
+        let failed = |error| in_file(file, error);
+        let sequence = format.read(file).map_err(failed)?;
+        let statistics = Statistics::new(&sequence.rest).map_err(failed)?;
+        let size = std::fs::metadata(file).map(|metadata| metadata.len()).unwrap_or_default();
+        if self.json {
+            terminal::print_json(&as_json(file, size, &sequence, &statistics));
+        } else {
+            let kind = format.typetag_name();
+            terminal::print(&page(&format!("{} ({kind}, {})\n", file.display(), bytes(size)), &sequence, &statistics));
+        }
+        Ok(Status::Done)
+    }
+}
+
+fn as_json(file: &std::path::Path, size: u64, sequence: &MeshSequence, statistics: &Statistics) -> Value {
+    let mesh = &sequence.rest;
+    let animation =
+        |a: &crate::core::mesh::Animation| json!({ "name": a.name, "seconds": a.seconds, "moves": a.channels });
+    let part = |part: &crate::core::mesh::Part| {
+        let polygons = part.polygons.len();
+        json!({ "object": part.object, "groups": part.groups, "material": part.material, "polygons": polygons })
+    };
+    json!({
+        "file": file, "bytes": size, "statistics": statistics, "unit_guess": unit(statistics.diagonal),
+        "texture_coordinates": mesh.texture_coordinates.is_some(), "normals": mesh.normals.is_some(),
+        "parts": mesh.parts.iter().map(part).collect::<Vec<_>>(),
+        "materials": mesh.materials.iter().map(|material| &material.name).collect::<Vec<_>>(),
+        "poses": sequence.poses.iter().map(|pose| &pose.name).collect::<Vec<_>>(),
+        "animations": sequence.animations.iter().map(animation).collect::<Vec<_>>(),
+        "landmarks": sequence.landmarks.iter().map(|landmark| &landmark.name).collect::<Vec<_>>(),
+        "warnings": sequence.warnings,
+    })
+}
+
+fn page(title: &str, sequence: &MeshSequence, s: &Statistics) -> String {
+    let mesh = &sequence.rest;
+    let mut rows: Vec<(String, String)> = Vec::new();
+    let mut row = |name: &str, text: String| rows.push((name.into(), text));
+    let welded = if s.welded_vertices == s.vertices {
+        String::new()
+    } else {
+        format!(", {} after welding seams", thousands(s.welded_vertices))
+    };
+    row("vertices", thousands(s.vertices) + &welded);
+    row("polygons", polygons(s));
+    row("components", components(&s.component_sizes));
+    row(
+        "boundary edges",
+        if s.boundary_edges == 0 { "none: the surface is closed".into() } else { thousands(s.boundary_edges) },
+    );
+    row("diagonal", format!("{} ({})", number(s.diagonal), unit(s.diagonal)));
+    let [low, high] = s.bounding_box;
+    let axis = |i: usize| format!("{} {} to {}", ["x", "y", "z"][i], number(low[i]), number(high[i]));
+    row("bounding box", [0, 1, 2].map(axis).join(", "));
+    row("area", number(s.area));
+    if let Some(volume) = s.volume {
+        let inside_out = if volume < 0.0 { " (negative: faces point inwards)" } else { "" };
+        row("volume", number(volume) + inside_out);
+    }
+    let has = |yes: bool| if yes { "yes" } else { "no" };
+    let attributes = (has(mesh.texture_coordinates.is_some()), has(mesh.normals.is_some()));
+    row("texture coords", attributes.0.into());
+    row("normals", attributes.1.into());
+    if mesh.parts.len() > 1 {
+        row("parts", parts(sequence));
+    }
+    if !mesh.materials.is_empty() {
+        row("materials", shortened(mesh.materials.iter().map(|material| material.name.clone()).collect()));
+    }
+    if !sequence.poses.is_empty() {
+        let names = shortened(sequence.poses.iter().map(|pose| pose.name.clone()).collect());
+        row("poses", format!("{}: {names}", sequence.poses.len()));
+    }
+    if !sequence.animations.is_empty() {
+        let told = |a: &crate::core::mesh::Animation| {
+            format!("{} ({}, {})", a.name, seconds(a.seconds), a.channels.join(", "))
+        };
+        row("animations", shortened(sequence.animations.iter().map(told).collect()));
+    }
+    let defects = defects(s);
+    row("defects", if defects.is_empty() { "none found".into() } else { defects.join("\n") });
+    let mut text = title.to_owned() + &pairs(&rows);
+    for warning in &sequence.warnings {
+        text += &format!("warning: {warning}\n");
+    }
+    text
+}
+
+fn polygons(s: &Statistics) -> String {
+    let kinds = ["triangles", "quads", "with more corners"];
+    let told: Vec<_> = s
+        .triangles_quads_ngons
+        .iter()
+        .zip(kinds)
+        .filter(|(count, _)| **count > 0)
+        .map(|(count, kind)| format!("{} {kind}", thousands(*count)))
+        .collect();
+    let cut = if s.triangles == s.polygons {
+        String::new()
+    } else {
+        format!("; {} triangles when cut", thousands(s.triangles))
+    };
+    format!("{}: {}{cut}", thousands(s.polygons), told.join(", "))
+}
+
+fn components(sizes: &[usize]) -> String {
+    let mut sorted = sizes.to_vec();
+    sorted.sort_unstable_by(|a, b| b.cmp(a));
+    match &sorted[..] {
+        [] => "none".into(),
+        [_] => "1".into(),
+        _ => {
+            let sizes: Vec<_> = sorted.iter().map(|size| thousands(*size)).collect();
+            format!("{}, of {} vertices", sizes.len(), shortened(sizes))
+        }
+    }
+}
+
+fn parts(sequence: &MeshSequence) -> String {
+    let name = |part: &crate::core::mesh::Part| {
+        let names: Vec<_> = part.object.iter().chain(&part.groups).chain(&part.material).cloned().collect();
+        format!(
+            "{} ({})",
+            if names.is_empty() { "unnamed".into() } else { names.join("/") },
+            thousands(part.polygons.len())
+        )
+    };
+    let parts = &sequence.rest.parts;
+    format!("{}: {}", parts.len(), shortened(parts.iter().map(name).collect()))
+}
+
+fn defects(s: &Statistics) -> Vec<String> {
+    let told = |found: usize, one: &str, many: &str| (found > 0).then(|| count(found, one, many));
+    [
+        told(
+            s.non_manifold_edges,
+            "edge of more than two triangles",
+            "edges of more than two triangles (non-manifold)",
+        ),
+        told(s.degenerate_triangles, "triangle without area", "triangles without area"),
+        told(s.duplicate_polygons, "duplicate polygon", "duplicate polygons"),
+        told(s.unreferenced_vertices, "vertex that no polygon uses", "vertices that no polygon uses"),
+        told(s.coincident_vertices, "vertex at the place of another", "vertices at the place of another"),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
+}
+
+/// The first of many names, and how many more there are.
+fn shortened(names: Vec<String>) -> String {
+    const MOST: usize = 12;
+    let more = names.len().saturating_sub(MOST);
+    let shown = names[..names.len() - more].join(", ");
+    if more == 0 { shown } else { format!("{shown} and {more} more") }
+}
+
+/// What the unit may be, if the mesh is a person, a face or an animal.
+fn unit(diagonal: f64) -> &'static str {
+    match diagonal {
+        d if d.is_nan() || d <= 0.0 => "no size",
+        d if d < 0.05 => "the unit is unlike any usual one for a body or face",
+        d if d < 6.0 => "metres, if it is a body",
+        d if d < 50.0 => "decimetres if it is a body, centimetres if a face",
+        d if d < 600.0 => "centimetres, if it is a body",
+        d if d < 6000.0 => "millimetres, if it is a body",
+        _ => "the unit is unlike any usual one for a body or face",
+    }
+}

@@ -1,0 +1,159 @@
+use std::path::{Path, PathBuf};
+
+use nalgebra::Point3;
+use serde_json::json;
+
+use super::{Ended, summary::scores, terminal};
+use crate::{
+    core::{
+        mesh::{Mesh, MeshSequence, diagonal},
+        plugin,
+        stage::{Metric, MetricInput},
+    },
+    mistake::{Mistake, Place, Result},
+    pipeline::{
+        Formats,
+        check::in_file,
+        report::{PoseReport, measure, over_poses},
+        resolve::{self, Found},
+    },
+    status::Status,
+};
+
+/// Scores results against known results of the same vertices, in percent of the diagonal of the rest mesh.
+///
+/// The result is moved so that its centroid lies on that of the truth; `placed` is the mean error without that move.
+/// The average's rms is the root mean square over all files.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  mimesh score out/camel-01.obj truth/camel-01.obj --rest camel-reference.obj
+  mimesh score 'out/camel-*.obj' 'truth/camel-??.obj' --rest camel-reference.obj --at-most rms=1.5")]
+pub struct Score {
+    /// The result: a file, or a glob in quotes
+    result: String,
+    /// The known result: a file, or a glob in quotes of as many files
+    truth: String,
+    /// The target at rest, whose bounding box gives the length that errors are relative to [default: the first truth]
+    #[arg(long, value_name = "MESH")]
+    rest: Option<PathBuf>,
+    /// End with exit status 3 if an average is larger than this, e.g. rms=1.5
+    #[arg(long, value_name = "FIGURE=PERCENT")]
+    at_most: Vec<String>,
+    /// Print the scores as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// Positions with a name.
+struct Posed {
+    name: String,
+    mesh: Mesh,
+    positions: Vec<Point3<f64>>,
+    file: PathBuf,
+}
+
+impl Score {
+    /// Runs the command.
+    pub fn run(&self) -> Ended {
+        let limits = self.limits()?;
+        let formats = Formats::new(vec![]);
+        let results = read_all(&formats, &self.result)?;
+        let truths = read_all(&formats, &self.truth)?;
+        if results.len() != truths.len() {
+            let message = format!("{} results, but {} known results", results.len(), truths.len());
+            let hint = "both are taken in natural order, one against the other; give globs that match as many files";
+            return Err(Mistake::new(Status::Usage, message).hint(hint).into());
+        }
+        let rest = match &self.rest {
+            Some(file) => read(&formats, file)?.rest,
+            None => Mesh { positions: truths[0].positions.clone(), ..truths[0].mesh.clone() },
+        };
+        let metric = plugin::instances::<dyn Metric>().into_iter().find(|(name, _)| *name == "point_error");
+        let Some((_, metric)) = metric else {
+            return Err(Mistake::new(Status::Internal, "the metric point_error is not linked into this program").into());
+        };
+        let metrics = [metric];
+        let mut poses = Vec::new();
+        for (result, truth) in results.iter().zip(&truths) {
+            let measured = |positions: &[Point3<f64>]| {
+                measure(&metrics, MetricInput { rest: &rest, result: positions, truth: &truth.positions })
+                    .map_err(|error| in_file(&result.file, error))
+            };
+            let nothing = if self.rest.is_some() { measured(&rest.positions)? } else { Default::default() };
+            let metrics = measured(&result.positions)?;
+            poses.push(PoseReport { name: result.name.clone(), metrics, nothing, ..PoseReport::default() });
+        }
+        let summary = over_poses(&poses).remove("point_error").unwrap_or_default();
+        if self.json {
+            let pair = |(i, pose): (usize, &PoseReport)| {
+                json!({
+                    "result": results[i].file, "truth": truths[i].file, "pose": pose.name,
+                    "score": pose.metrics.get("point_error"), "nothing": pose.nothing.get("point_error"),
+                })
+            };
+            let pairs: Vec<_> = poses.iter().enumerate().map(pair).collect();
+            terminal::print_json(
+                &json!({ "diagonal": diagonal(&rest.positions), "poses": pairs, "over_poses": summary }),
+            );
+        } else {
+            terminal::print(&format!("percent of the diagonal\n{}", scores("point_error", &summary, &poses)));
+        }
+        let mut status = Status::Done;
+        for (figure, limit) in limits {
+            let found = summary["average"][&figure].as_f64();
+            let Some(found) = found else {
+                return Err(Mistake::new(Status::Usage, format!("--at-most: there is no figure `{figure}`")).into());
+            };
+            if found.is_nan() || found > limit {
+                terminal::warn(&format!("{figure} is {found:.4} %, more than {limit} %"));
+                status = Status::Gate;
+            }
+        }
+        Ok(status)
+    }
+
+    fn limits(&self) -> Result<Vec<(String, f64)>> {
+        let limit = |text: &String| {
+            let (figure, value) = text.split_once('=')?;
+            Some((figure.to_owned(), value.parse().ok()?))
+        };
+        let wrong = |text: &String| {
+            let message = format!("--at-most {text}: expected `figure=percent`");
+            Mistake::new(Status::Usage, message).hint("e.g. `--at-most rms=1.5`").into()
+        };
+        self.at_most.iter().map(|text| limit(text).ok_or_else(|| wrong(text))).collect()
+    }
+}
+
+/// The positions in all files of `pattern`: of the poses that a file holds, else of its mesh.
+fn read_all(formats: &Formats, pattern: &str) -> Result<Vec<Posed>> {
+    let found = resolve::expand(Path::new(""), pattern)
+        .map_err(|problem| Mistake::new(Status::Usage, format!("`{pattern}` is no glob: {problem}")))?;
+    if found.is_empty() {
+        return Err(Mistake::new(Status::MissingInput, format!("no file matches `{pattern}`")).into());
+    }
+    let mut all = Vec::new();
+    for Found { path, name } in found {
+        let MeshSequence { rest, poses, .. } = read(formats, &path)?;
+        if poses.is_empty() {
+            let positions = rest.positions.clone();
+            all.push(Posed { name, mesh: rest, positions, file: path });
+        } else {
+            let posed = |pose: crate::core::mesh::Pose| Posed {
+                name: pose.name,
+                mesh: rest.clone(),
+                positions: pose.positions,
+                file: path.clone(),
+            };
+            all.extend(poses.into_iter().map(posed));
+        }
+    }
+    Ok(all)
+}
+
+fn read(formats: &Formats, file: &Path) -> Result<MeshSequence> {
+    let format = formats.reader(file).map_err(|unknown| {
+        Mistake::new(Status::BadData, unknown.message).at(Place::File(file.into())).hint(unknown.hint)
+    })?;
+    Ok(format.read(file).map_err(|error| in_file(file, error))?)
+}

@@ -1,0 +1,122 @@
+use serde_json::{Map, Value, json};
+
+use super::{Ended, list::description, terminal, text::pairs};
+use crate::{
+    core::{Plugin, plugin},
+    mistake::Mistake,
+    pipeline::{
+        choices, range, settings_schema,
+        words::{did_you_mean, unknown_type},
+    },
+    status::Status,
+};
+
+/// Shows an implementation of a stage: what it does, its settings, and how it looks in YAML.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Example:\n  mimesh show transfer gradient")]
+pub struct Show {
+    /// The stage, e.g. transfer
+    stage: String,
+    /// The type, e.g. gradient
+    #[arg(value_name = "TYPE")]
+    name: String,
+    /// Print description, JSON Schema and defaults as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+impl Show {
+    /// Runs the command.
+    pub fn run(&self) -> Ended {
+        let plugin = self.find()?;
+        let schema = settings_schema(plugin);
+        let defaults = (plugin.settings)();
+        if self.json {
+            terminal::print_json(&json!({
+                "stage": plugin.stage, "type": (plugin.name)(), "description": description(plugin),
+                "schema": schema, "defaults": defaults,
+            }));
+        } else {
+            terminal::print(&page(plugin, &schema, &defaults));
+        }
+        Ok(Status::Done)
+    }
+
+    fn find(&self) -> crate::mistake::Result<&'static Plugin> {
+        let all = plugin::all();
+        let mut stages: Vec<_> = all.iter().map(|plugin| plugin.stage).collect();
+        stages.dedup();
+        if !stages.contains(&self.stage.as_str()) {
+            let known = || format!("stages: {}", stages.join(", "));
+            let hint = did_you_mean(&self.stage, &stages).unwrap_or_else(known);
+            return Err(Mistake::new(Status::Usage, format!("unknown stage `{}`", self.stage)).hint(hint).into());
+        }
+        let found = all.into_iter().find(|plugin| plugin.stage == self.stage && (plugin.name)() == self.name);
+        found.ok_or_else(|| {
+            let told = unknown_type(&self.stage, &self.name);
+            Mistake::new(Status::Usage, told.message).hint(told.hint).into()
+        })
+    }
+}
+
+fn page(plugin: &Plugin, schema: &Value, defaults: &Value) -> String {
+    let name = (plugin.name)();
+    let mut text = format!("{} {name}\n\n{}\n", plugin.stage, description(plugin).trim());
+    let settings = schema.get("properties").and_then(Value::as_object).cloned().unwrap_or_default();
+    if settings.is_empty() {
+        text += "\nIt has no settings.\n";
+    } else {
+        text += "\nSettings\n";
+        let row = |(key, schema): (&String, &Value)| (key.clone(), setting(schema, defaults.get(key)));
+        text += &pairs(&settings.iter().map(row).collect::<Vec<_>>());
+    }
+    text + "\nIn YAML, with all defaults\n" + &example(plugin.stage, name, defaults.as_object())
+}
+
+/// Kind, range and default in the first line, then the doc comment.
+fn setting(schema: &Value, default: Option<&Value>) -> String {
+    let mut head = vec![kind(schema)];
+    head.extend(range(schema));
+    match default {
+        Some(Value::Null) | None => {}
+        Some(default) => head.push(format!("default {default}")),
+    }
+    let doc = schema.get("description").and_then(Value::as_str).unwrap_or_default();
+    format!("{}\n{doc}\n", head.join(", "))
+}
+
+fn kind(schema: &Value) -> String {
+    let word = |name: &str| match name {
+        "number" => "a number",
+        "integer" => "a whole number",
+        "string" => "a text",
+        "boolean" => "true or false",
+        "array" => "a list",
+        "object" => "a map",
+        "null" => "nothing",
+        _ => "a value",
+    };
+    let values: Vec<String> = choices(schema);
+    if !values.is_empty() {
+        return format!("one of {}", values.join(", "));
+    }
+    match schema.get("type") {
+        Some(Value::String(name)) => word(name).into(),
+        Some(Value::Array(names)) => {
+            let names = names.iter().filter_map(Value::as_str).filter(|name| *name != "null");
+            names.map(word).collect::<Vec<_>>().join(" or ")
+        }
+        _ => "a value".into(),
+    }
+}
+
+fn example(stage: &str, name: &str, defaults: Option<&Map<String, Value>>) -> String {
+    let settings = defaults.into_iter().flatten().filter(|(_, value)| !value.is_null());
+    let mut lines = vec![format!("type: {name}")];
+    lines.extend(settings.map(|(key, value)| format!("{key}: {value}")));
+    match stage {
+        "metric" | "format" => format!("  {stage}s:\n    - {}\n", lines.join("\n      ")),
+        "sample" => format!("  source:\n    sample:\n      {}\n", lines.join("\n      ")),
+        _ => format!("  {stage}:\n    {}\n", lines.join("\n    ")),
+    }
+}

@@ -1,0 +1,258 @@
+use std::path::{Path, PathBuf};
+
+use super::{Check, Input};
+use crate::{
+    core::{
+        Error,
+        mesh::{MeshSequence, Surface},
+        stage::Sample,
+    },
+    mistake::{Mistake, Place},
+    pipeline::{At, OneOrMany, Source, Step, Target, document::path, resolve},
+    status::Status,
+};
+
+/// One of the two meshes at rest.
+#[derive(Debug)]
+pub struct Side {
+    /// Its file, if it is not a sample.
+    pub path: Option<PathBuf>,
+    /// The mesh with the poses and landmarks that come with it.
+    pub sequence: MeshSequence,
+    /// Its surface.
+    pub surface: Surface,
+}
+
+/// A pose of the source.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PoseInput {
+    /// The name, which `{pose}` stands for.
+    pub name: String,
+    /// Where its positions are.
+    pub from: PoseFrom,
+}
+
+/// Where the positions of a pose are.
+#[derive(Clone, Debug, PartialEq)]
+pub enum PoseFrom {
+    /// A file of its own.
+    File(PathBuf),
+    /// That pose of the source's sequence.
+    Held(usize),
+}
+
+impl Check<'_> {
+    /// The source and its poses, as far as they can be had.
+    pub(super) fn source(&mut self, source: &Source) -> (Option<Side>, Vec<PoseInput>) {
+        if source.sample.is_some() && source.poses.is_some() {
+            let hint = "a sample brings its own poses; remove `poses`";
+            self.wrong(&path(["source", "poses"]), At::Key, "`poses` beside `sample`", hint);
+        }
+        let side = self.side("source", source.rest.as_deref(), source.sample.as_deref());
+        let poses = match (&source.poses, &side) {
+            (Some(patterns), _) => self.pose_files(patterns, source.rest.as_deref()),
+            (None, Some(side)) => {
+                let named = |(i, pose): (usize, &crate::core::mesh::Pose)| PoseInput {
+                    name: pose.name.clone(),
+                    from: PoseFrom::Held(i),
+                };
+                let poses: Vec<_> = side.sequence.poses.iter().enumerate().map(named).collect();
+                if poses.is_empty() {
+                    let what = if side.path.is_some() { "the rest file holds none" } else { "the sample makes none" };
+                    let hint = "say where they are, e.g. `poses: horse-??.obj`";
+                    self.missing(&path(["source"]), format!("the source has no poses: {what}"), hint);
+                }
+                poses
+            }
+            (None, None) => vec![],
+        };
+        (side, self.named(poses))
+    }
+
+    pub(super) fn target(&mut self, target: &Target) -> Option<Side> {
+        self.side("target", target.rest.as_deref(), target.sample.as_deref())
+    }
+
+    fn side(&mut self, name: &'static str, rest: Option<&Path>, sample: Option<&dyn Sample>) -> Option<Side> {
+        let slot = path([name]);
+        match (rest, sample) {
+            (Some(_), Some(_)) => {
+                let hint = "a mesh is either read or made; remove one of the two";
+                self.wrong(&path([name, "sample"]), At::Key, "`sample` beside `rest`", hint);
+                None
+            }
+            (None, None) => {
+                let said = self.document.value.get(name).and_then(|slot| slot.as_object());
+                // A wrong `rest` has been told already, and so has a missing slot.
+                if said.is_some_and(|said| !said.contains_key("rest") && !said.contains_key("sample")) {
+                    let hint = format!("say which mesh, e.g. `{name}: {{ rest: mesh.obj }}`");
+                    self.wrong(&slot, At::Value, format!("the {name} has neither `rest` nor `sample`"), hint);
+                }
+                None
+            }
+            (None, Some(sample)) => match sample.make().and_then(|made| Side::new(None, made)) {
+                Ok(side) => Some(side),
+                Err(error) => {
+                    let at = path([name, "sample"]);
+                    let mistake = Mistake::from(error).doing(format!("sample ({})", sample.typetag_name()));
+                    self.mistakes.push(Mistake { place: Some(self.document.place(&at, At::Value)), ..mistake });
+                    None
+                }
+            },
+            (Some(rest), None) => self.read_side(name, &resolve::from_base(&self.base, rest)),
+        }
+    }
+
+    fn read_side(&mut self, name: &'static str, file: &Path) -> Option<Side> {
+        let at = path([name, "rest"]);
+        let role = if name == "source" { "source rest" } else { "target rest" };
+        let format = match self.formats.reader(file) {
+            Ok(format) => Some(format),
+            Err(unknown) => {
+                self.wrong(&at, At::Value, unknown.message, unknown.hint);
+                None
+            }
+        };
+        let read = format.filter(|_| file.is_file()).map(|format| format.read(file));
+        if !self.input(role, file, &at) {
+            return None;
+        }
+        match read?.and_then(|sequence| Side::new(Some(file.into()), sequence)) {
+            Ok(side) => {
+                let warnings = side.sequence.warnings.iter();
+                self.warnings.extend(warnings.map(|warning| format!("{}: {warning}", file.display())));
+                Some(side)
+            }
+            Err(error) => {
+                self.mistakes.push(in_file(file, error));
+                None
+            }
+        }
+    }
+
+    fn pose_files(&mut self, patterns: &OneOrMany, rest: Option<&Path>) -> Vec<PoseInput> {
+        let rest = rest.map(|rest| resolve::identity(&resolve::from_base(&self.base, rest)));
+        let mut poses: Vec<PoseInput> = Vec::new();
+        let mut seen = std::collections::HashSet::new();
+        if patterns.items.is_empty() {
+            self.missing(&path(["source", "poses"]), "the list of poses is empty", "name at least one file");
+        }
+        for (i, pattern) in patterns.items.iter().enumerate() {
+            let mut at = path(["source", "poses"]);
+            if patterns.listed {
+                at.push(Step::Index(i));
+            }
+            let found = match resolve::expand(&self.base, pattern) {
+                Ok(found) => found,
+                Err(problem) => {
+                    self.wrong(&at, At::Value, format!("`{pattern}` is no glob: {problem}"), "e.g. `horse-??.obj`");
+                    continue;
+                }
+            };
+            let is_rest = |file: &Path| rest.as_ref().is_some_and(|rest| *rest == resolve::identity(file));
+            let glob = resolve::is_glob(pattern);
+            let matched = found.len();
+            for found in found {
+                if glob && is_rest(&found.path) {
+                    self.warnings.push(format!("`{pattern}` also matches the rest mesh, which is not taken as a pose"));
+                } else if self.pose_file(&found.path, &at) && seen.insert(resolve::identity(&found.path)) {
+                    poses.push(PoseInput { name: found.name, from: PoseFrom::File(found.path) });
+                }
+            }
+            if matched == 0 {
+                let hint = nearby(&resolve::from_base(&self.base, Path::new(pattern)));
+                self.missing(&at, format!("no file matches `{pattern}`"), hint);
+            }
+        }
+        poses
+    }
+
+    fn pose_file(&mut self, file: &Path, at: &[Step]) -> bool {
+        if let Err(unknown) = self.formats.reader(file) {
+            self.wrong(at, At::Value, unknown.message, unknown.hint);
+            return false;
+        }
+        self.input("pose", file, at)
+    }
+
+    /// The poses under names of their own: where wildcards stand for the same, poses are called like their files.
+    fn named(&mut self, mut poses: Vec<PoseInput>) -> Vec<PoseInput> {
+        let unique = |poses: &[PoseInput]| {
+            let mut names: Vec<_> = poses.iter().map(|pose| &pose.name).collect();
+            names.sort();
+            names.windows(2).find(|pair| pair[0] == pair[1]).map(|pair| pair[0].clone())
+        };
+        if unique(&poses).is_some() {
+            for pose in &mut poses {
+                if let PoseFrom::File(file) = &pose.from {
+                    pose.name = resolve::stem(file);
+                }
+            }
+        }
+        if let Some(name) = unique(&poses) {
+            let files: Vec<_> = poses
+                .iter()
+                .filter(|pose| pose.name == name)
+                .filter_map(
+                    |pose| if let PoseFrom::File(file) = &pose.from { Some(file.display().to_string()) } else { None },
+                )
+                .collect();
+            let message = format!("two poses are called `{name}`: {}", files.join(", "));
+            let hint =
+                "rename one, or use a wildcard where the paths differ: a pose is called what wildcards stand for";
+            self.wrong(&path(["source", "poses"]), At::Value, message.trim_end_matches(": "), hint);
+        }
+        poses
+    }
+}
+
+impl Side {
+    /// The mesh with its surface.
+    ///
+    /// # Errors
+    ///
+    /// As [`Surface::new`].
+    pub fn new(path: Option<PathBuf>, sequence: MeshSequence) -> Result<Self, Error> {
+        Ok(Self { path, surface: Surface::new(&sequence.rest)?, sequence })
+    }
+}
+
+impl Input {
+    /// Whether it is the file of a pose.
+    pub fn is_pose(&self) -> bool {
+        self.role == "pose"
+    }
+}
+
+/// An error about the contents of `file`; those that do not name it are placed there.
+pub fn in_file(file: &Path, error: Error) -> Mistake {
+    let mistake = Mistake::from(error);
+    let place = mistake.place.clone().unwrap_or_else(|| Place::File(file.into()));
+    let status = if mistake.status == Status::BadPipeline { Status::BadData } else { mistake.status };
+    Mistake { status, ..mistake.at(place) }
+}
+
+/// What there is in the folder where a glob matched nothing.
+fn nearby(pattern: &Path) -> String {
+    let folder = pattern.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    if resolve::is_glob(&folder.to_string_lossy()) {
+        return "globs are relative to the folder of the pipeline's file".into();
+    }
+    let Ok(entries) = std::fs::read_dir(folder) else {
+        return format!("there is no folder {}", folder.display());
+    };
+    let extension = pattern.extension();
+    let mut names: Vec<_> =
+        entries.filter_map(|entry| Some(entry.ok()?.path())).filter(|p| p.extension() == extension).collect();
+    names.sort_by(|a, b| alphanumeric_sort::compare_path(a, b));
+    let kind = extension.map(|e| format!(".{} ", e.to_string_lossy())).unwrap_or_default();
+    match &names[..] {
+        [] => format!("there are no {kind}files in {}", folder.display()),
+        [one] => format!("the only {kind}file there is {}", one.display()),
+        [first, .., last] => format!("the {} {kind}files there go from {} to {}", names.len(), name(first), name(last)),
+    }
+}
+
+fn name(path: &Path) -> String {
+    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+}

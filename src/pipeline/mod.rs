@@ -1,0 +1,36 @@
+//! Pipelines: what a YAML file declares, and how it is read, checked and run.
+//!
+//! A file becomes a [`Document`] (values and their places), the document a typed [`Pipeline`] ([`parse`]), the pipeline
+//! with the files it names something [`Prepared`] ([`prepare`]), and that a [`Report`] ([`run()`]). Up to `prepare`
+//! mistakes are collected and told together; nothing is computed before there are none.
+
+pub mod check;
+pub mod document;
+mod formats;
+mod hash;
+mod one_or_many;
+pub mod overrides;
+pub mod parse;
+mod poses;
+pub mod process;
+mod ranges;
+pub mod report;
+pub mod resolve;
+mod run;
+mod spec;
+pub mod staging;
+#[cfg(test)]
+mod testing;
+mod watch;
+pub mod words;
+
+pub use check::{Options, Prepared, prepare};
+pub use document::{At, Document, Step};
+pub use formats::{Formats, Unknown, Writes};
+pub use hash::hash_file;
+pub use one_or_many::OneOrMany;
+pub use ranges::{choices, range, settings_schema};
+pub use report::Report;
+pub use run::{Outcome, run};
+pub use spec::{Pipeline, Source, Target};
+pub use watch::{Unwatched, Watch};

@@ -1,0 +1,261 @@
+//! From the values of a document to the typed [`Pipeline`], with all mistakes at once.
+//!
+//! Each slot is deserialised on its own. When that fails, the mistake is noted, the offending key is taken out of a
+//! copy, and the slot is tried again, so that a second mistake in it is found as well.
+
+use serde::de::DeserializeOwned;
+use serde_json::Value;
+use serde_path_to_error::Segment;
+
+use super::{
+    At, Document, Pipeline, Step, ranges,
+    words::{did_you_mean, nearest, tell},
+};
+use crate::mistake::Mistake;
+
+/// The keys of a pipeline, in the order of its documentation.
+pub const SLOTS: [&str; 10] = [
+    "source",
+    "target",
+    "markers",
+    "correspondence",
+    "keep_correspondence",
+    "transfer",
+    "truth",
+    "metrics",
+    "formats",
+    "output",
+];
+
+/// The pipeline that `document` declares, as far as it can be understood, and what is wrong with it.
+pub fn parse(document: &Document) -> (Pipeline, Vec<Mistake>) {
+    let mut slots = Slots { document, mistakes: vec![], meant: vec![] };
+    if !document.value.is_object() {
+        let hint = "a pipeline begins with e.g. `source: { rest: horse.obj, poses: horse-??.obj }`";
+        let message = "expected a map with the keys `source`, `target`, `correspondence`, `transfer` and `output`";
+        return (Pipeline::default(), vec![document.mistake(&[], At::Value, message).hint(hint)]);
+    }
+    slots.unknown();
+    let pipeline = Pipeline {
+        source: slots.required("source").unwrap_or_default(),
+        target: slots.required("target").unwrap_or_default(),
+        markers: slots.optional("markers"),
+        correspondence: slots.required("correspondence"),
+        keep_correspondence: slots.optional("keep_correspondence"),
+        transfer: slots.required("transfer"),
+        truth: slots.optional("truth"),
+        metrics: slots.optional("metrics"),
+        formats: slots.optional("formats").unwrap_or_default(),
+        output: slots.required("output").unwrap_or_default(),
+    };
+    (pipeline, slots.mistakes)
+}
+
+/// Deserialises the value at `path` of `document`; every mistake is added to `mistakes`.
+///
+/// The result is what could be understood; it is not to be used if there were mistakes, other than to look for more.
+pub fn value<T: DeserializeOwned>(document: &Document, path: &[Step], mistakes: &mut Vec<Mistake>) -> Option<T> {
+    let mut value = path.iter().try_fold(&document.value, |value, step| step.get(value))?.clone();
+    if value.is_array() && describes_map::<T>() {
+        // Serde would take a list for the fields of a struct in their order.
+        mistakes.push(mistake(document, path, "invalid type: sequence, expected struct"));
+        return None;
+    }
+    let mut removed: Vec<Vec<Step>> = vec![];
+    loop {
+        let error = match serde_path_to_error::deserialize::<_, T>(&value) {
+            Ok(parsed) => return Some(parsed),
+            Err(error) => error,
+        };
+        let inner: Vec<Step> = error.path().iter().filter_map(step).collect();
+        let whole: Vec<Step> = path.iter().chain(&inner).cloned().collect();
+        let text = error.inner().to_string();
+        if text.starts_with("missing field") && removed.iter().any(|gone| gone[..gone.len() - 1] == inner[..]) {
+            return None;
+        }
+        mistakes.push(mistake(document, &whole, &text));
+        if inner.is_empty() || text.starts_with("missing field") || !remove(&mut value, &inner) {
+            return None;
+        }
+        removed.push(inner);
+    }
+}
+
+/// Whether `T` is read from a map: it can be read from an empty one, or misses a key in it.
+fn describes_map<T: DeserializeOwned>() -> bool {
+    match serde_json::from_value::<T>(Value::Object(serde_json::Map::new())) {
+        Ok(_) => true,
+        Err(error) => error.to_string().starts_with("missing field"),
+    }
+}
+
+struct Slots<'a> {
+    document: &'a Document,
+    mistakes: Vec<Mistake>,
+    /// Slots that unknown keys may have meant, which are not told to be missing as well.
+    meant: Vec<&'static str>,
+}
+
+impl Slots<'_> {
+    /// Tells of unknown keys, and keeps what they may have meant.
+    fn unknown(&mut self) {
+        for key in self.document.value.as_object().into_iter().flat_map(|map| map.keys()) {
+            if !SLOTS.contains(&key.as_str()) {
+                self.meant.extend(nearest(key, &SLOTS));
+                let known = || format!("known keys: {}", SLOTS.join(", "));
+                self.mistakes.push(
+                    self.document
+                        .mistake(&[Step::Key(key.clone())], At::Key, format!("unknown key `{key}`"))
+                        .hint(did_you_mean(key, &SLOTS).unwrap_or_else(known)),
+                );
+            }
+        }
+    }
+
+    fn optional<T: DeserializeOwned>(&mut self, key: &str) -> Option<T> {
+        let path = [Step::Key(key.into())];
+        let mut mistakes = Vec::new();
+        let value = value(self.document, &path, &mut mistakes);
+        let out_of_range = ranges::check(self.document, &path);
+        // A number out of range may have the wrong type too; the range says more.
+        mistakes.retain(|mistake| !out_of_range.iter().any(|other| other.place == mistake.place));
+        self.mistakes.extend(mistakes.into_iter().chain(out_of_range));
+        value
+    }
+
+    fn required<T: DeserializeOwned>(&mut self, key: &str) -> Option<T> {
+        if self.document.value.get(key).is_none() && !self.meant.contains(&key) {
+            let hint = match key {
+                "source" | "target" => format!("say which mesh, e.g. `{key}: {{ rest: mesh.obj }}`"),
+                "output" => "say what to write, e.g. `output: out/{pose}.obj`".into(),
+                stage => {
+                    let types = super::words::types(stage);
+                    format!("say how, e.g. `{stage}: {{ type: {} }}`; `mimesh list` shows the types", types.join(" | "))
+                }
+            };
+            self.mistakes.push(self.document.mistake(&[], At::Value, format!("missing key `{key}`")).hint(hint));
+        }
+        self.optional(key)
+    }
+}
+
+/// A mistake at `path` from a message of serde.
+fn mistake(document: &Document, path: &[Step], error: &str) -> Mistake {
+    let stage = stage_at(path);
+    let in_type = path.last() == Some(&Step::Key("type".into()));
+    let key = path.iter().rev().find_map(|step| if let Step::Key(key) = step { Some(key.as_str()) } else { None });
+    let of_stage = if in_type { stage_at(&path[..path.len() - 1]) } else { stage.clone() };
+    let told = tell(error, key.unwrap_or("pipeline"), of_stage.as_deref(), &ranges::choices_at(document, path));
+    let missing = error.starts_with("missing field");
+    // A stage of unknown type fails as a whole; the word to point at is its type.
+    let mut at = path.to_vec();
+    if error.starts_with("unknown variant") && stage.is_some() && !in_type {
+        at.push(Step::Key("type".into()));
+    }
+    document.mistake(&at, if told.about_key && !missing { At::Key } else { At::Value }, told.message).hint(told.hint)
+}
+
+/// The stage whose settings stand at `path` itself.
+pub(super) fn stage_at(path: &[Step]) -> Option<String> {
+    let keys: Vec<_> = path.iter().map(Step::to_string).collect();
+    let keys: Vec<_> = keys.iter().map(String::as_str).collect();
+    match keys[..] {
+        ["source" | "target", "sample"] => Some("sample".into()),
+        ["correspondence" | "transfer"] => Some(keys[0].into()),
+        ["metrics", _] => Some("metric".into()),
+        ["formats", _] => Some("format".into()),
+        _ => None,
+    }
+}
+
+fn step(segment: &Segment) -> Option<Step> {
+    match segment {
+        Segment::Seq { index } => Some(Step::Index(*index)),
+        Segment::Map { key } => Some(Step::Key(key.clone())),
+        Segment::Enum { variant } => Some(Step::Key(variant.clone())),
+        Segment::Unknown => None,
+    }
+}
+
+/// Takes the value at `path` out; false if there is none.
+fn remove(value: &mut Value, path: &[Step]) -> bool {
+    let Some((last, parents)) = path.split_last() else { return false };
+    let Some(parent) = parents.iter().try_fold(value, |value, step| step.get_mut(value)) else { return false };
+    match (parent, last) {
+        (Value::Object(map), Step::Key(key)) => map.shift_remove(key).is_some(),
+        // Taking it out would move the places of those behind it.
+        (Value::Array(_), Step::Index(_)) | (_, _) => false,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+
+    fn mistakes(text: &str) -> Vec<String> {
+        let document = Document::parse(Path::new("p.yaml"), text).unwrap();
+        let (_, mistakes) = parse(&document);
+        mistakes.iter().map(|m| format!("{m}").lines().next().unwrap_or_default().to_owned()).collect()
+    }
+
+    const GOOD: &str = "source: { rest: a.obj, poses: b-*.obj }\ntarget: { rest: c.obj }\n\
+        correspondence: { type: test_correspondence }\ntransfer: { type: test_transfer, strength: 2 }\noutput: out/{pose}.obj\n";
+
+    #[test]
+    fn a_good_pipeline_has_no_mistakes() {
+        assert_eq!(mistakes(GOOD), Vec::<String>::new());
+    }
+
+    #[test]
+    fn the_keys_of_the_schema_are_those_that_are_read() {
+        let schema = schemars::schema_for!(Pipeline);
+        let properties: Vec<_> = schema.get("properties").unwrap().as_object().unwrap().keys().cloned().collect();
+        assert_eq!(properties, SLOTS);
+        let required = serde_json::json!(["source", "target", "correspondence", "transfer", "output"]);
+        assert_eq!(schema.get("required"), Some(&required));
+    }
+
+    #[test]
+    fn every_mistake_is_told_at_its_own_place() {
+        let text = "sorce: {}\nsource:\n  rest: 7\n  pose: x\ntarget: [a]\ncorrespondence: { type: test_corespondence }\n\
+            transfer:\n  type: test_transfer\n  strength: much\n  strenght: 1\noutput: { a: 1 }\nmetrics: [{ tipe: x }]\n";
+        assert_eq!(
+            mistakes(text),
+            [
+                "p.yaml:1:1: unknown key `sorce`",
+                "p.yaml:3:9: `rest`: expected a text, found 7",
+                "p.yaml:4:3: unknown key `pose`",
+                "p.yaml:5:9: `target`: expected a map of keys, found a list",
+                "p.yaml:6:25: unknown correspondence `test_corespondence`",
+                "p.yaml:9:13: `strength`: expected a number, found the text \"much\"",
+                "p.yaml:10:3: unknown key `strenght`",
+                "p.yaml:12:11: missing key `type`",
+                "p.yaml:11:9: `output`: expected a text or a list of texts, found a map",
+            ]
+        );
+    }
+
+    #[test]
+    fn a_number_out_of_its_range_is_told_with_the_range() {
+        let text = GOOD.replace("strength: 2", "strength: -1");
+        assert_eq!(mistakes(&text), ["p.yaml:4:44: `strength`: expected at least 0, found -1"]);
+    }
+
+    #[test]
+    fn a_stage_given_as_a_word_is_told_how_to_write_it() {
+        let text = GOOD.replace("{ type: test_correspondence }", "test_correspondence");
+        assert!(
+            mistakes(&text)[0]
+                .starts_with("p.yaml:3:17: `correspondence`: expected a map that begins with `type`, e.g. `{ type: ")
+        );
+    }
+
+    #[test]
+    fn missing_keys_are_told_together() {
+        let all = mistakes("markers: a.cons\n");
+        let missing = ["source", "target", "correspondence", "transfer", "output"];
+        assert_eq!(all, missing.map(|key| format!("p.yaml:1:1: missing key `{key}`")));
+    }
+}

@@ -1,0 +1,210 @@
+//! The poses of a run: read, transferred, measured and written in a stream, so that memory does not grow with their
+//! number.
+
+use std::path::Path;
+
+use nalgebra::Point3;
+use rayon::prelude::*;
+
+use super::{
+    check::{Output, PoseFrom, PoseInput, Prepared},
+    report::{PoseReport, measure},
+    run::of_pose,
+    staging::{self, Staged},
+    watch::Watch,
+};
+use crate::{
+    core::{
+        Error, Result,
+        mesh::check_finite,
+        stage::{BoundTransfer, MeshWriter, MetricInput, SequenceWriter, WriteError},
+    },
+    mistake::{self, Mistake},
+    status::Status,
+};
+
+/// Poses in the making for each thread: enough that none waits for the slowest of a chunk for long.
+const POSES_PER_THREAD: usize = 4;
+
+/// What poses go through.
+pub struct Bench<'a> {
+    /// The pipeline.
+    pub prepared: &'a Prepared,
+    /// The type of the transfer, for messages.
+    pub transfer: &'a str,
+    /// The transfer.
+    pub bound: &'a dyn BoundTransfer,
+    /// Is told of every pose.
+    pub watch: &'a dyn Watch,
+}
+
+/// What comes of the poses.
+#[derive(Debug, Default)]
+pub struct Stream {
+    /// The poses in order.
+    pub poses: Vec<PoseReport>,
+    /// Those that failed.
+    pub failed: Vec<Mistake>,
+    /// The results, written aside.
+    pub files: Vec<Staged>,
+    /// Sentences about single poses.
+    pub warnings: Vec<String>,
+}
+
+/// What comes of one pose.
+struct Done {
+    report: PoseReport,
+    positions: Vec<Point3<f64>>,
+    files: Vec<Staged>,
+}
+
+impl Bench<'_> {
+    /// Sends all poses through.
+    ///
+    /// # Errors
+    ///
+    /// If a result cannot be written; poses that fail on their own are in the result.
+    pub fn stream(&self) -> mistake::Result<Stream> {
+        let mut stream = Stream::default();
+        let mut sequences = self.sequences()?;
+        let chunk = rayon::current_num_threads() * POSES_PER_THREAD;
+        let poses: Vec<(usize, &PoseInput)> = self.prepared.poses.iter().enumerate().collect();
+        for chunk in poses.chunks(chunk) {
+            let done: Vec<_> = chunk
+                .par_iter()
+                .map(|(i, pose)| {
+                    let done = self.pose(*i, pose);
+                    self.watch.pose_done();
+                    done
+                })
+                .collect();
+            for ((_, pose), done) in chunk.iter().zip(done) {
+                match done {
+                    Ok(done) => {
+                        for (path, writer) in &mut sequences {
+                            writer.add(&pose.name, &done.positions).map_err(|error| writing(path, error))?;
+                        }
+                        let warnings = done.report.figures.warnings.iter();
+                        stream.warnings.extend(warnings.map(|warning| format!("pose {}: {warning}", pose.name)));
+                        stream.poses.push(done.report);
+                        stream.files.extend(done.files);
+                    }
+                    // A full disk is no fault of the pose.
+                    Err(mistake) if mistake.status == Status::CannotWrite => return Err(mistake.into()),
+                    Err(mistake) => {
+                        let error = Some(mistake.to_json());
+                        stream.poses.push(PoseReport { name: pose.name.clone(), error, ..PoseReport::default() });
+                        stream.failed.push(mistake);
+                    }
+                }
+            }
+        }
+        if stream.failed.len() < stream.poses.len() {
+            for (path, writer) in sequences {
+                let finished = staging::stage(&path, |out| writer.finish(out).map_err(|error| writing(&path, error)));
+                stream.files.push(finished?);
+            }
+        }
+        Ok(stream)
+    }
+
+    /// A writer for each file that takes all poses.
+    fn sequences(&self) -> Result<Vec<(std::path::PathBuf, Box<dyn SequenceWriter + '_>)>> {
+        let mut writers = Vec::new();
+        for output in &self.prepared.outputs.meshes {
+            let Output::Sequence(path) = output else { continue };
+            if let Ok((format, _)) = self.prepared.formats.writer(path)
+                && let Some(MeshWriter::Sequence(sequence)) = format.writer()
+            {
+                let rest = &self.prepared.target.sequence.rest;
+                writers.push((path.clone(), sequence.start(rest).map_err(|error| writing(path, error))?));
+            }
+        }
+        Ok(writers)
+    }
+
+    fn pose(&self, i: usize, pose: &PoseInput) -> std::result::Result<Done, Mistake> {
+        let file = if let PoseFrom::File(file) = &pose.from { Some(file.as_path()) } else { None };
+        let posed = self.read(&pose.from).map_err(|error| of_pose(&pose.name, file, None, error))?;
+        let doing = || Some(format!("transfer ({})", self.transfer));
+        let (positions, figures) = self.transfer(&posed).map_err(|error| of_pose(&pose.name, None, doing(), error))?;
+        let mut report = PoseReport { name: pose.name.clone(), figures, ..PoseReport::default() };
+        if let Err(error) = self.score(i, &positions, &mut report) {
+            // The result is good all the same.
+            report.figures.warn(format!("not scored: {error}"));
+        }
+        let files = self.write(i, &positions)?;
+        Ok(Done { report, positions, files })
+    }
+
+    fn read(&self, from: &PoseFrom) -> Result<Vec<Point3<f64>>> {
+        let sequence = &self.prepared.source.sequence;
+        let positions = match from {
+            PoseFrom::Held(i) => sequence.poses[*i].positions.clone(),
+            PoseFrom::File(path) => match self.prepared.formats.reader(path) {
+                Ok(format) => format.read_pose(path, &sequence.rest)?,
+                Err(unknown) => return Err(Error::file(path, unknown.message, unknown.hint)),
+            },
+        };
+        check_finite(&positions)?;
+        Ok(positions)
+    }
+
+    fn transfer(&self, posed: &[Point3<f64>]) -> Result<(Vec<Point3<f64>>, crate::core::Figures)> {
+        let posed = self.prepared.source.surface.from_mesh(posed)?;
+        let transferred = self.bound.transfer(&posed)?;
+        let positions = self.prepared.target.surface.to_mesh(&transferred.positions)?;
+        check_finite(&positions).map_err(|error| {
+            let hint =
+                "the method cannot cope with this pose; look at it, and at degenerate triangles with `mimesh inspect`";
+            Error::data(format!("result: {error}"), hint)
+        })?;
+        Ok((positions, transferred.figures))
+    }
+
+    /// Measures pose `i` against the truth, if that is known.
+    fn score(&self, i: usize, result: &[Point3<f64>], report: &mut PoseReport) -> Result<()> {
+        let Prepared { truth, metrics, formats, target, .. } = self.prepared;
+        let rest = &target.sequence.rest;
+        if let Some(truth) = truth.positions(i, &report.name, rest, formats)? {
+            report.metrics = measure(metrics, MetricInput { rest, result, truth: &truth })?;
+            report.nothing = measure(metrics, MetricInput { rest, result: &rest.positions, truth: &truth })?;
+        }
+        Ok(())
+    }
+
+    /// The files of one pose, written aside.
+    fn write(&self, i: usize, positions: &[Point3<f64>]) -> std::result::Result<Vec<Staged>, Mistake> {
+        let mut files = Vec::new();
+        for output in &self.prepared.outputs.meshes {
+            let Output::Poses(paths) = output else { continue };
+            let path = &paths[i];
+            if let Ok((format, _)) = self.prepared.formats.writer(path)
+                && let Some(MeshWriter::Pose(writer)) = format.writer()
+            {
+                let rest = &self.prepared.target.sequence.rest;
+                let write = |out: &mut dyn std::io::Write| {
+                    writer.write(rest, positions, out).map_err(|error| writing(path, error))
+                };
+                files.push(staging::stage(path, write).map_err(cannot_write)?);
+            }
+        }
+        Ok(files)
+    }
+}
+
+/// An error of writing, with the path that it was written to.
+fn writing(path: &Path, error: WriteError) -> Error {
+    match error {
+        WriteError::Io(error) => Error::write(path, error),
+        WriteError::Mesh(Error::Data { message, hint }) => {
+            Error::file(path, format!("cannot be written: {message}"), hint)
+        }
+        WriteError::Mesh(error) => error,
+    }
+}
+
+/// Whatever goes wrong while writing ends the run, so it is no mistake of the pose.
+fn cannot_write(error: Error) -> Mistake {
+    Mistake { status: Status::CannotWrite, ..error.into() }
+}

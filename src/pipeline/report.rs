@@ -1,0 +1,240 @@
+//! What a run did: the contents of `run.json`, from which the summary is made.
+
+use std::{path::PathBuf, time::Instant};
+
+use serde::Serialize;
+use serde_json::{Map, Value};
+
+use super::{
+    check::Side,
+    process::{self, Usage},
+    staging::WrittenFile,
+};
+use crate::core::{
+    Figures,
+    mesh::Topology,
+    stage::{Metric, MetricInput},
+};
+
+/// A run, whole.
+#[derive(Clone, Debug, Serialize)]
+pub struct Report {
+    /// The program's version.
+    pub mimesh: &'static str,
+    /// `done`, or `partly` if some poses failed.
+    pub status: &'static str,
+    /// The pipeline's file.
+    pub pipeline: PathBuf,
+    /// Its settings in full, with defaults and with what the command line set.
+    pub settings: Value,
+    /// What the command line set.
+    pub set: Vec<String>,
+    /// Threads used.
+    pub threads: usize,
+    /// Every file read.
+    pub inputs: Vec<InputFile>,
+    /// The mesh that gave its motion.
+    pub source: MeshFigures,
+    /// The mesh that took it.
+    pub target: MeshFigures,
+    /// Number of markers.
+    pub markers: usize,
+    /// The stages in their order.
+    pub stages: Vec<StageReport>,
+    /// The poses in their order.
+    pub poses: Vec<PoseReport>,
+    /// For each metric its figures over all poses.
+    #[serde(skip_serializing_if = "Map::is_empty")]
+    pub metrics: Map<String, Value>,
+    /// Every file written, without this one.
+    pub outputs: Vec<WrittenFile>,
+    /// Sentences about what looks wrong or was left out.
+    pub warnings: Vec<String>,
+    /// Seconds from start to end.
+    pub seconds: f64,
+    /// What the process used, from its own start.
+    pub process: Usage,
+}
+
+/// A file that was read.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct InputFile {
+    /// What it is.
+    pub role: &'static str,
+    /// The file.
+    pub path: PathBuf,
+    /// Its size.
+    pub bytes: u64,
+    /// The hash of its contents.
+    pub blake3: String,
+}
+
+/// Counts and size of a mesh.
+#[derive(Clone, Debug, Serialize)]
+pub struct MeshFigures {
+    /// Vertices of the file.
+    pub vertices: usize,
+    /// Polygons of the file.
+    pub polygons: usize,
+    /// Vertices after welding seams.
+    pub welded_vertices: usize,
+    /// Triangles after cutting polygons.
+    pub triangles: usize,
+    /// Connected components.
+    pub components: usize,
+    /// Edges of more than two triangles.
+    pub non_manifold_edges: usize,
+    /// Length of the diagonal of the bounding box, in the unit of the file.
+    pub diagonal: f64,
+}
+
+/// A stage that ran once.
+#[derive(Clone, Debug, Serialize)]
+pub struct StageReport {
+    /// What was done, e.g. `correspondence`.
+    pub stage: &'static str,
+    /// By which implementation; empty for what the pipeline does itself.
+    #[serde(rename = "type", skip_serializing_if = "String::is_empty")]
+    pub name: String,
+    /// Time on the clock.
+    pub seconds: f64,
+    /// CPU time of all threads.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cpu_seconds: Option<f64>,
+    /// What it says of its work.
+    pub figures: Figures,
+}
+
+/// Measures a stage.
+#[derive(Clone, Copy, Debug)]
+pub struct Clock {
+    begin: Instant,
+    cpu_seconds: Option<f64>,
+}
+
+impl Clock {
+    /// Begins to measure.
+    pub fn start() -> Self {
+        Self { begin: Instant::now(), cpu_seconds: process::usage().cpu_seconds }
+    }
+
+    /// What a stage took since the start.
+    pub fn stop(self, stage: &'static str, name: &str, figures: Figures) -> StageReport {
+        let cpu_seconds = process::usage().cpu_seconds.zip(self.cpu_seconds).map(|(now, then)| now - then);
+        StageReport { stage, name: name.into(), seconds: self.begin.elapsed().as_secs_f64(), cpu_seconds, figures }
+    }
+}
+
+/// A pose.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct PoseReport {
+    /// Its name.
+    pub name: String,
+    /// Why it failed, if it did.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub error: Option<Value>,
+    /// What the transfer says of it.
+    pub figures: Figures,
+    /// For each metric its figures, where the truth is known.
+    #[serde(skip_serializing_if = "Map::is_empty")]
+    pub metrics: Map<String, Value>,
+    /// The same for the target at rest in place of the result.
+    #[serde(skip_serializing_if = "Map::is_empty")]
+    pub nothing: Map<String, Value>,
+}
+
+impl MeshFigures {
+    /// Of a mesh.
+    pub fn new(side: &Side) -> Self {
+        let mesh = &side.sequence.rest;
+        Self {
+            vertices: mesh.positions.len(),
+            polygons: mesh.polygons.len(),
+            welded_vertices: side.surface.vertex_count(),
+            triangles: side.surface.triangle_count(),
+            components: side.surface.components().count(),
+            non_manifold_edges: Topology::new(&side.surface.triangles).non_manifold.len(),
+            diagonal: mesh.diagonal(),
+        }
+    }
+}
+
+/// What `metrics` say of a pose, by their types.
+///
+/// # Errors
+///
+/// Of the metric.
+pub fn measure(metrics: &[Box<dyn Metric>], input: MetricInput<'_>) -> crate::core::Result<Map<String, Value>> {
+    let of = |metric: &dyn Metric| Ok((metric.typetag_name().to_owned(), figures_value(&metric.measure(input)?)));
+    metrics.iter().map(|metric| of(metric.as_ref())).collect()
+}
+
+fn figures_value(figures: &Figures) -> Value {
+    serde_json::to_value(figures).unwrap_or_default()
+}
+
+/// For each metric `average`, `worst` and `nothing` over poses: means, but the root mean square of `rms`, and largest
+/// values.
+pub fn over_poses(poses: &[PoseReport]) -> Map<String, Value> {
+    let names = poses.iter().flat_map(|pose| pose.metrics.keys());
+    let mut result = Map::new();
+    for name in names {
+        if result.contains_key(name) {
+            continue;
+        }
+        let of = |pick: fn(&PoseReport) -> &Map<String, Value>| {
+            poses.iter().filter_map(|pose| pick(pose).get(name)).collect()
+        };
+        let (scored, nothing): (Vec<&Value>, Vec<&Value>) = (of(|pose| &pose.metrics), of(|pose| &pose.nothing));
+        let summary = serde_json::json!({
+            "average": combine(&scored, average),
+            "worst": combine(&scored, |_, values| values.iter().copied().fold(f64::NEG_INFINITY, f64::max)),
+            "nothing": combine(&nothing, average),
+        });
+        result.insert(name.clone(), summary);
+    }
+    result
+}
+
+/// The mean; of root mean squares the root mean square.
+fn average(figure: &str, values: &[f64]) -> f64 {
+    let count = values.len() as f64;
+    if figure == "rms" {
+        (values.iter().map(|value| value * value).sum::<f64>() / count).sqrt()
+    } else {
+        values.iter().sum::<f64>() / count
+    }
+}
+
+fn combine(poses: &[&Value], how: impl Fn(&str, &[f64]) -> f64) -> Value {
+    let keys = poses.iter().filter_map(|figures| figures.as_object()).flat_map(|figures| figures.keys());
+    let mut result = Map::new();
+    for key in keys {
+        if !result.contains_key(key) {
+            let values: Vec<f64> = poses.iter().filter_map(|figures| figures.get(key)?.as_f64()).collect();
+            if !values.is_empty() {
+                result.insert(key.clone(), how(key, &values).into());
+            }
+        }
+    }
+    Value::Object(result)
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    #[test]
+    fn the_rms_over_poses_is_a_root_mean_square_and_the_rest_are_means() {
+        let pose = |rms: f64, mean: f64| PoseReport {
+            metrics: json!({ "point_error": { "rms": rms, "mean": mean } }).as_object().unwrap().clone(),
+            ..PoseReport::default()
+        };
+        let all = over_poses(&[pose(3.0, 1.0), pose(4.0, 2.0)]);
+        assert_eq!(all["point_error"]["average"]["rms"], json!((12.5f64).sqrt()));
+        assert_eq!(all["point_error"]["average"]["mean"], json!(1.5));
+        assert_eq!(all["point_error"]["worst"]["rms"], json!(4.0));
+    }
+}

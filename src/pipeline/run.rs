@@ -1,0 +1,201 @@
+//! Running a prepared pipeline: stages once, poses in a stream, results written aside and moved into place at the end.
+
+use std::path::Path;
+
+use serde_json::{Value, json};
+
+use super::{
+    check::Prepared,
+    hash::hash_file,
+    poses::{Bench, Stream},
+    process,
+    report::{Clock, InputFile, MeshFigures, Report, StageReport, over_poses},
+    staging,
+    watch::Watch,
+};
+use crate::{
+    core::{
+        Error, Figures,
+        stage::{Pair, TriangleMap},
+    },
+    mistake::{Failure, Mistake, Place, Result},
+    status::Status,
+};
+
+/// How a run went.
+#[derive(Debug)]
+pub struct Outcome {
+    /// What it did.
+    pub report: Report,
+    /// The poses that failed, each told; the others are written.
+    pub failed: Vec<Mistake>,
+}
+
+impl Outcome {
+    /// The exit status.
+    pub fn status(&self) -> Status {
+        if self.failed.is_empty() { Status::Done } else { Status::Partly }
+    }
+}
+
+/// Runs `prepared` on `threads` threads (0: as many as the machine has); `set` is what the command line set.
+///
+/// The results are the same for any number of threads.
+///
+/// # Errors
+///
+/// What a stage or a file failed with; then nothing is written. A pose that fails on its own is told in the outcome
+/// instead, unless all of them fail.
+pub fn run(prepared: &Prepared, set: &[String], threads: usize, watch: &dyn Watch) -> Result<Outcome> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    let pool = pool.map_err(|error| Mistake::new(Status::Internal, format!("cannot start threads: {error}")))?;
+    pool.install(|| Run { prepared, watch, stages: vec![prepared.reading.clone()] }.run(set))
+}
+
+struct Run<'a> {
+    prepared: &'a Prepared,
+    watch: &'a dyn Watch,
+    stages: Vec<StageReport>,
+}
+
+impl Run<'_> {
+    fn run(mut self, set: &[String]) -> Result<Outcome> {
+        let prepared = self.prepared;
+        let (Some(correspondence), Some(transfer)) = (&prepared.pipeline.correspondence, &prepared.pipeline.transfer)
+        else {
+            return Err(Mistake::new(Status::Internal, "a pipeline without stages was taken for checked").into());
+        };
+        let (source, target) = (&prepared.source, &prepared.target);
+        let pair = Pair { source: &source.surface, target: &target.surface, markers: &prepared.markers };
+
+        let map = self.stage("correspondence", correspondence.typetag_name(), || {
+            let map = correspondence.correspond(pair)?;
+            map.check(pair)?;
+            let mut figures = map.figures.clone();
+            figures.set("orphans", map.orphan_count());
+            Ok((map, figures))
+        })?;
+        let bound = self.stage("transfer", transfer.typetag_name(), || {
+            let bound = transfer.bind(pair, &map)?;
+            let figures = bound.figures();
+            Ok((bound, figures))
+        })?;
+
+        let mut staged = Vec::new();
+        if let Some(path) = &prepared.outputs.correspondence {
+            staged.push(keep(path, &map)?);
+        }
+        self.watch.poses(prepared.poses.len());
+        let bench = Bench { prepared, transfer: transfer.typetag_name(), bound: bound.as_ref(), watch: self.watch };
+        let clock = Clock::start();
+        let Stream { poses, failed, files, warnings } = bench.stream()?;
+        staged.extend(files);
+        self.stages.push(clock.stop("poses", "", Figures::default()));
+        if failed.len() == poses.len() {
+            return Err(Failure { mistakes: failed });
+        }
+
+        self.watch.stage("writing");
+        let clock = Clock::start();
+        let inputs = inputs(prepared)?;
+        let outputs = staging::commit(staged)?;
+        self.stages.push(clock.stop("writing", "", Figures::default()));
+        let mut report = Report {
+            mimesh: env!("CARGO_PKG_VERSION"),
+            status: if failed.is_empty() { "done" } else { "partly" },
+            pipeline: prepared.file.clone(),
+            settings: settings(prepared),
+            set: set.to_vec(),
+            threads: rayon::current_num_threads(),
+            inputs,
+            source: MeshFigures::new(source),
+            target: MeshFigures::new(target),
+            markers: prepared.markers.len(),
+            warnings: prepared.warnings.iter().cloned().chain(warnings).collect(),
+            metrics: over_poses(&poses),
+            seconds: self.stages.iter().map(|stage| stage.seconds).sum(),
+            stages: self.stages,
+            poses,
+            outputs,
+            process: process::usage(),
+        };
+        deduplicate(&mut report.warnings);
+        write_report(&prepared.outputs.report, &report)?;
+        Ok(Outcome { report, failed })
+    }
+
+    /// Runs a stage, notes its time and figures, and names it in its error.
+    fn stage<T>(
+        &mut self,
+        stage: &'static str,
+        name: &str,
+        work: impl FnOnce() -> crate::core::Result<(T, Figures)>,
+    ) -> Result<T> {
+        self.watch.stage(&format!("{stage} ({name})"));
+        let clock = Clock::start();
+        match work() {
+            Ok((result, figures)) => {
+                self.stages.push(clock.stop(stage, name, figures));
+                Ok(result)
+            }
+            Err(error) => Err(Mistake::from(error).doing(format!("{stage} ({name})")).into()),
+        }
+    }
+}
+
+/// The correspondence as a file that `from_file` reads.
+fn keep(path: &Path, map: &TriangleMap) -> crate::core::Result<staging::Staged> {
+    staging::stage(path, |out| {
+        let mut contents = json!({ "format": "mimesh-correspondence", "version": 1 });
+        if let (Value::Object(contents), Ok(Value::Object(map))) = (&mut contents, serde_json::to_value(map)) {
+            contents.extend(map);
+        }
+        writeln!(out, "{contents}").map_err(|error| Error::write(path, error))
+    })
+}
+
+fn write_report(path: &Path, report: &Report) -> crate::core::Result<()> {
+    let text = serde_json::to_string_pretty(report).unwrap_or_default();
+    let staged = staging::stage(path, |out| writeln!(out, "{text}").map_err(|error| Error::write(path, error)))?;
+    staging::commit(vec![staged]).map(drop)
+}
+
+/// The settings in full.
+fn settings(prepared: &Prepared) -> Value {
+    let mut settings = serde_json::to_value(&prepared.pipeline).unwrap_or_default();
+    settings["metrics"] = serde_json::to_value(&prepared.metrics).unwrap_or_default();
+    settings["formats"] = serde_json::to_value(prepared.formats.all()).unwrap_or_default();
+    settings
+}
+
+/// Size and hash of every file that was read.
+fn inputs(prepared: &Prepared) -> Result<Vec<InputFile>> {
+    use rayon::prelude::*;
+    let hashed = |input: &super::check::Input| {
+        let failed = |error| Failure::from(Error::read(&input.path, error));
+        let bytes = std::fs::metadata(&input.path).map_err(failed)?.len();
+        let blake3 = hash_file(&input.path).map_err(failed)?;
+        Ok(InputFile { role: input.role, path: input.path.clone(), bytes, blake3 })
+    };
+    // A pose whose file is gone has been told; it is left out here.
+    let present: Vec<_> = prepared.inputs.iter().filter(|input| !input.is_pose() || input.path.is_file()).collect();
+    present.into_par_iter().map(hashed).collect()
+}
+
+fn deduplicate(warnings: &mut Vec<String>) {
+    let mut seen = std::collections::HashSet::new();
+    warnings.retain(|warning| seen.insert(warning.clone()));
+}
+
+/// An error about the pose `name`, at its file if it has one.
+pub(super) fn of_pose(name: &str, file: Option<&Path>, doing: Option<String>, error: Error) -> Mistake {
+    let mistake = Mistake::from(error);
+    let mistake = match doing {
+        Some(doing) => mistake.doing(format!("{doing}: pose {name}")),
+        None => mistake,
+    };
+    match (mistake.place.is_none(), file) {
+        (true, Some(file)) => mistake.at(Place::File(file.into())),
+        _ => mistake,
+    }
+}

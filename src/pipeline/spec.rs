@@ -1,0 +1,78 @@
+use std::path::PathBuf;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::OneOrMany;
+use crate::core::stage::{Correspondence, Format, Metric, Sample, Transfer};
+
+/// A pipeline: a source with its poses, a target, and how the target takes the poses.
+///
+/// Paths are relative to the pipeline's file. Keys that are left out have the defaults told here.
+#[derive(Debug, Default, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Pipeline {
+    /// The mesh that gives its motion, at rest and in its poses.
+    pub source: Source,
+    /// The mesh that takes the motion.
+    pub target: Target,
+    /// File of corresponding points: `.cons` (a count, then `source, target` vertices from 0) or mimesh's own YAML.
+    ///
+    /// Left out, landmarks of equal names are the markers, where both meshes have landmarks (samples do).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("examples" = ["horse_camel.cons"]))]
+    pub markers: Option<PathBuf>,
+    /// How triangles of source and target are paired.
+    #[schemars(required)]
+    pub correspondence: Option<Box<dyn Correspondence>>,
+    /// Writes the triangle pairs to this JSON file, for `correspondence: { type: from_file, path: … }`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub keep_correspondence: Option<PathBuf>,
+    /// How the motion is carried over.
+    #[schemars(required)]
+    pub transfer: Option<Box<dyn Transfer>>,
+    /// The known results to score against: a file a pose with `{pose}` in its name, or one file that holds all poses.
+    ///
+    /// A target made by a sample brings its own.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("examples" = ["truth/camel-{pose}.obj"]))]
+    pub truth: Option<PathBuf>,
+    /// What to measure where the truth is known; left out, the point error.
+    pub metrics: Option<Vec<Box<dyn Metric>>>,
+    /// Settings of file formats that differ from their defaults, e.g. `[{ type: gltf, frames_per_second: 24 }]`.
+    #[serde(default)]
+    pub formats: Vec<Box<dyn Format>>,
+    /// Files to write: for one file a pose a path with `{pose}`, for all poses in one file a path without.
+    #[schemars(extend("examples" = [["out/camel-{pose}.obj", "out/camel.glb"]]))]
+    pub output: OneOrMany,
+}
+
+/// The mesh that gives its motion: files, or a sample.
+#[derive(Debug, Default, Deserialize, Serialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Source {
+    /// The mesh at rest.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rest: Option<PathBuf>,
+    /// Its poses: a glob such as `horse-??.obj`, or a list of paths and globs; in natural order, without the rest mesh.
+    ///
+    /// A pose is called what the wildcards stand for, else like its file. Left out, the poses are those that the rest
+    /// file holds (morph targets).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub poses: Option<OneOrMany>,
+    /// Made instead of read.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sample: Option<Box<dyn Sample>>,
+}
+
+/// The mesh that takes the motion: a file, or a sample.
+#[derive(Debug, Default, Deserialize, Serialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Target {
+    /// The mesh at rest.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rest: Option<PathBuf>,
+    /// Made instead of read; its poses are the truth.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sample: Option<Box<dyn Sample>>,
+}

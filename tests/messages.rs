@@ -1,0 +1,344 @@
+//! What a user reads when something is wrong, in full.
+#![cfg(feature = "bundled")]
+
+mod common;
+
+use common::{PIPELINE, Project, cube};
+
+/// Checks what `mimesh COMMAND p.yaml` says on stderr, and its exit status.
+fn says(project: &Project, command: &str, status: i32, expected: &str) {
+    let said = project.mimesh(&[command, "p.yaml"]);
+    assert_eq!(said.err.trim_end(), expected.trim(), "\n{}", said.err);
+    assert_eq!(said.status, status);
+}
+
+#[test]
+fn no_pipeline() {
+    let project = Project::new();
+    let said = project.mimesh(&["check", "q.yaml"]);
+    assert_eq!((said.status, said.err.as_str()), (66, "error: q.yaml: no such file\n"));
+}
+
+#[test]
+fn a_missing_file() {
+    let project = Project::new();
+    project.edit("rest: rest.obj", "rest: rset.obj");
+    says(
+        &project,
+        "check",
+        66,
+        "
+error: p.yaml:1:17: no such file: rset.obj
+   |
+ 1 | source: { rest: rset.obj, poses: pose-*.obj }
+   |                 ^^^^^^^^
+   = hint: did you mean `rest.obj`?
+",
+    );
+}
+
+#[test]
+fn a_glob_without_match() {
+    let project = Project::new();
+    project.edit("pose-*.obj", "pos-*.obj");
+    says(
+        &project,
+        "check",
+        66,
+        "
+error: p.yaml:1:34: no file matches `pos-*.obj`
+   |
+ 1 | source: { rest: rest.obj, poses: pos-*.obj }
+   |                                  ^^^^^^^^^
+   = hint: the 5 .obj files there go from pose-1.obj to target.obj
+",
+    );
+}
+
+#[test]
+fn a_pose_with_another_number_of_vertices() {
+    let project = Project::new();
+    for pose in ["1", "2", "10"] {
+        project.write(&format!("pose-{pose}.obj"), &(cube(|p| p) + "v 0 0 0\n"));
+    }
+    project.edit("pose-*.obj", "pose-1.obj");
+    says(
+        &project,
+        "run",
+        65,
+        "
+correspondence (identity)
+transfer (copy_displacement)
+poses (0 of 1)
+error: pose-1.obj: pose has 9 vertices, the rest mesh 8
+  hint: a pose has the vertices and polygons of the rest mesh in the same order; export both with one setting
+",
+    );
+}
+
+#[test]
+fn a_pose_with_another_face_list() {
+    let project = Project::new();
+    project.write("pose-2.obj", &cube(|p| p).replace("f 1 2 6 5", "f 2 6 5 1"));
+    let said = project.mimesh(&["check", "p.yaml", "--poses"]);
+    assert_eq!(
+        said.err,
+        "error: pose-2.obj: polygon 2 (from 0) differs: pose has vertices [1, 5, 4, 0], the rest mesh [0, 1, 5, 4]\n  \
+         hint: a pose has the vertices and polygons of the rest mesh in the same order; export both with one setting\n"
+    );
+    assert_eq!(said.status, 65);
+}
+
+#[test]
+fn coordinates_that_are_not_finite() {
+    let project = Project::new();
+    project.write("rest.obj", &cube(|p| p).replace("v 1 0 0", "v 1 nan 0"));
+    project.write("target.obj", &cube(|p| p).replace("v 0 2 0", "v 0 inf 0"));
+    says(
+        &project,
+        "check",
+        65,
+        "
+error: rest.obj:2: vertex 2 has coordinate `nan`: expected a finite number
+  hint: repair the file or export it again without NaN and infinity
+error: target.obj:3: vertex 3 has coordinate `inf`: expected a finite number
+  hint: repair the file or export it again without NaN and infinity
+2 mistakes
+",
+    );
+}
+
+#[test]
+fn a_face_index_out_of_range() {
+    let project = Project::new();
+    project.write("target.obj", &cube(|p| p).replace("f 5 6 8 7", "f 5 6 9 7"));
+    says(
+        &project,
+        "check",
+        65,
+        "
+error: target.obj:10: vertex index 9 is out of range: the file has 8 vertices
+  hint: the file is damaged or cut short: export it again
+",
+    );
+}
+
+#[test]
+fn an_empty_mesh() {
+    let project = Project::new();
+    project.write("target.obj", "v 0 0 0\n");
+    says(
+        &project,
+        "check",
+        65,
+        "
+error: target.obj: empty mesh: 1 vertices, 0 faces
+  hint: give a mesh with at least one face; point clouds and curves cannot take a deformation
+",
+    );
+}
+
+#[test]
+fn markers_out_of_range_and_coincident() {
+    let project = Project::new();
+    project.edit("output:", "markers: m.cons\noutput:");
+    project.write("m.cons", "4\n0, 0\n8, 1\n2, 2\n3, 2\n");
+    says(
+        &project,
+        "check",
+        65,
+        "
+error: m.cons:3: marker 2: the source has no vertex 8: expected 0 to 7
+  hint: vertices count from 0; were source and target swapped, or has the mesh changed since?
+error: m.cons:5: marker 4 lies on the same point of the target as marker 3 (line 4)
+  hint: remove one of the two; a point can have one partner only
+2 mistakes
+",
+    );
+}
+
+#[test]
+fn too_few_markers() {
+    let project = Project::new();
+    project.edit("identity", "nonrigid_fit");
+    project.edit("output:", "markers: m.cons\noutput:");
+    project.write("m.cons", "2\n0, 0\n1, 1\n");
+    says(&project, "check", 78, "
+error: p.yaml:5:10: nonrigid_fit needs at least 3 markers, there are 2
+   |
+ 5 | markers: m.cons
+   |          ^^^^^^
+   = hint: a marker is a point of the source and the same point of the target: `markers: pairs.cons` (a count, then `source, target` vertices from 0)
+");
+}
+
+#[test]
+fn a_marker_without_a_side() {
+    let project = Project::new();
+    project.edit("output:", "markers: m.yaml\noutput:");
+    project.write("m.yaml", "markers:\n  - { name: left ear, source: 3 }\n");
+    says(
+        &project,
+        "check",
+        65,
+        "
+error: m.yaml:2:5: marker left ear has no target
+   |
+ 2 |   - { name: left ear, source: 3 }
+   |     ^^^^^^^^^^^^^^^^^^^^^^^^^^^^
+   = hint: a marker needs a point on both meshes, e.g. `{ source: 750, target: 3386 }`
+",
+    );
+}
+
+#[test]
+fn markers_of_a_mesh_that_has_changed_are_a_warning() {
+    let project = Project::new();
+    project.edit("output:", "markers: m.yaml\noutput:");
+    project.write("m.yaml", "source: { mesh: rest.obj, vertices: 8, blake3: \"00\" }\ntarget: { mesh: target.obj, vertices: 9 }\nmarkers: []\n");
+    says(
+        &project,
+        "check",
+        0,
+        "
+warning: m.yaml: the source (rest.obj) has changed since the markers were made; the numbers may not fit any more
+warning: m.yaml: made on a target of 9 vertices (target.obj), which now has 8; the numbers may not fit any more
+",
+    );
+}
+
+#[test]
+fn several_mistakes_at_once() {
+    let project = Project::new();
+    project.write(
+        "p.yaml",
+        "\
+sorce: { rest: rest.obj, poses: pose-*.obj }
+target: { rest: taget.obj }
+markers: m.cons
+correspondence: { type: identiti }
+transfer:
+  type: gradient
+  placment: fixed
+  sampling: 3
+output: [out/all.obj, out/{pose}.glb, out/all.xyz]
+",
+    );
+    says(
+        &project,
+        "check",
+        78,
+        "
+error: p.yaml:1:1: unknown key `sorce`
+   |
+ 1 | sorce: { rest: rest.obj, poses: pose-*.obj }
+   | ^^^^^
+   = hint: did you mean `source`?
+error: p.yaml:2:17: no such file: taget.obj
+   |
+ 2 | target: { rest: taget.obj }
+   |                 ^^^^^^^^^
+   = hint: did you mean `target.obj`?
+error: p.yaml:3:10: no such file: m.cons
+   |
+ 3 | markers: m.cons
+   |          ^^^^^^
+   = hint: paths are relative to the folder of the pipeline's file
+error: p.yaml:4:25: unknown correspondence `identiti`
+   |
+ 4 | correspondence: { type: identiti }
+   |                         ^^^^^^^^
+   = hint: did you mean `identity`?
+error: p.yaml:7:3: unknown key `placment`
+   |
+ 7 |   placment: fixed
+   |   ^^^^^^^^
+   = hint: did you mean `placement`?
+error: p.yaml:8:13: `sampling`: expected one of points, triangles, found 3
+   |
+ 8 |   sampling: 3
+   |             ^
+error: p.yaml:9:10: a .obj file holds one pose, so its name needs `{pose}`
+   |
+ 9 | output: [out/all.obj, out/{pose}.glb, out/all.xyz]
+   |          ^^^^^^^^^^^
+   = hint: e.g. `all-{pose}.obj`
+error: p.yaml:9:23: a .glb file holds all poses, so its name cannot have `{pose}`
+   |
+ 9 | output: [out/all.obj, out/{pose}.glb, out/all.xyz]
+   |                       ^^^^^^^^^^^^^^
+   = hint: remove `{pose}`
+error: p.yaml:9:39: no format can write .xyz files
+   |
+ 9 | output: [out/all.obj, out/{pose}.glb, out/all.xyz]
+   |                                       ^^^^^^^^^^^
+   = hint: formats that write: .glb, .gltf, .obj, .ply
+9 mistakes
+",
+    );
+}
+
+#[test]
+fn a_wrong_type_of_a_setting() {
+    let project = Project::new();
+    project.edit("{ type: identity }", "{ type: nonrigid_fit, smoothness: much, steps: -1 }");
+    project.edit("output:", "markers: m.cons\noutput:");
+    project.write("m.cons", "4\n0, 0\n1, 1\n2, 2\n4, 4\n");
+    says(
+        &project,
+        "check",
+        78,
+        "
+error: p.yaml:3:51: `smoothness`: expected a number, found the text \"much\"
+   |
+ 3 | correspondence: { type: nonrigid_fit, smoothness: much, steps: -1 }
+   |                                                   ^^^^
+error: p.yaml:3:64: `steps`: expected 0 to 100, found -1
+   |
+ 3 | correspondence: { type: nonrigid_fit, smoothness: much, steps: -1 }
+   |                                                                ^^
+2 mistakes
+",
+    );
+}
+
+#[test]
+fn yaml_that_is_none() {
+    let project = Project::new();
+    project.write("p.yaml", &format!("{PIPELINE}truth: [a, b\n"));
+    let said = project.mimesh(&["check", "p.yaml"]);
+    assert!(said.err.starts_with("error: p.yaml:"), "{}", said.err);
+    assert!(said.err.contains(": not valid YAML: "), "{}", said.err);
+    assert_eq!(said.status, 78);
+}
+
+#[test]
+fn a_target_of_several_components() {
+    let project = Project::new();
+    let one = cube(|p| p);
+    let corners = cube(|[x, y, z]| [x + 9.0, y, z]);
+    let faces: String = corners
+        .lines()
+        .filter(|line| line.starts_with('f'))
+        .map(|line| {
+            let moved = line.split(' ').skip(1).map(|v| (v.parse::<u32>().unwrap() + 8).to_string());
+            format!("f {}\n", moved.collect::<Vec<_>>().join(" "))
+        })
+        .collect();
+    let other: String = corners.lines().filter(|line| line.starts_with('v')).map(|line| format!("{line}\n")).collect();
+    project.write("target.obj", &(one.clone() + &other + &faces));
+    project.write("rest.obj", &project.read("target.obj"));
+    project.write("pose-1.obj", &project.read("target.obj"));
+    project.edit("pose-*.obj", "pose-1.obj");
+    project.edit("copy_displacement", "gradient");
+    let said = project.mimesh(&["run", "p.yaml"]);
+    let expected = "transfer (gradient): the target has 2 components, and gradients say nothing of how they lie to each other; \
+                    beside the largest: ";
+    assert!(said.err.contains(expected), "{}", said.err);
+    assert!(
+        said.err.contains("hint: `transfer: { type: multi_component }` will serve targets of many parts"),
+        "{}",
+        said.err
+    );
+    assert_eq!(said.status, 65);
+}
