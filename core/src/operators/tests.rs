@@ -13,7 +13,8 @@ use crate::{
 /// A sphere or a bar with every vertex shaken by up to a fifth of an edge, and scaled: closed, irregular, no symmetry.
 fn shaken(seed: u64, scale: f64) -> Surface {
     let mut random = Random::new(seed);
-    let mut surface = if seed.is_multiple_of(2) { meshes::icosphere(2) } else { meshes::bar([6, 3, 2], [3.0, 1.0, 0.7]) };
+    let mut surface =
+        if seed.is_multiple_of(2) { meshes::icosphere(2) } else { meshes::bar([6, 3, 2], [3.0, 1.0, 0.7]) };
     let t = surface.triangles[0];
     let edge = (surface.positions[t[0] as usize] - surface.positions[t[1] as usize]).norm();
     surface.positions.iter_mut().for_each(|p| *p = Point3::from((p.coords + random.vector() * (0.2 * edge)) * scale));

@@ -63,7 +63,8 @@ pub fn icosphere(level: usize) -> Surface {
     surface(positions, triangles)
 }
 
-/// The unit square at z = 0, normal +z, in `nx` × `ny` cells of two triangles: (nx + 1)·(ny + 1) vertices, row by row in y.
+/// The unit square at z = 0, normal +z, in `nx` × `ny` cells of two triangles: (nx + 1)·(ny + 1) vertices, row by
+/// row in y.
 pub fn grid(nx: usize, ny: usize) -> Surface {
     let row = nx as u32 + 1;
     let (x, y) = (|i: usize| i as f64 / nx as f64, |j: usize| j as f64 / ny as f64);
@@ -101,7 +102,8 @@ pub fn bar(cells: [usize; 3], size: [f64; 3]) -> Surface {
     surface(positions, triangles)
 }
 
-/// A closed cylinder about the y axis, of radius 1 from y = 0 to `height`: `around` × `along` quads and a fan on each end.
+/// A closed cylinder about the y axis, of radius 1 from y = 0 to `height`: `around` × `along` quads and a fan on
+/// each end.
 pub fn cylinder(around: usize, along: usize, height: f64) -> Surface {
     let rings = (0..=along).map(|ring| (1.0, height * ring as f64 / along as f64)).collect::<Vec<_>>();
     revolve(around, &rings, 0.0, height)
@@ -153,7 +155,8 @@ pub fn seamed_cylinder(around: usize, along: usize) -> Mesh {
     mesh
 }
 
-/// An icosphere with a triangle without area: a new vertex in the middle of an edge of triangle 0 makes the last triangle.
+/// An icosphere with a triangle without area: a new vertex in the middle of an edge of triangle 0 makes the last
+/// triangle.
 pub fn with_zero_area_triangle() -> Mesh {
     let Surface { mut positions, mut triangles, .. } = icosphere(1);
     let [a, b, _] = triangles[0];

@@ -17,6 +17,13 @@ pub struct Identity {}
 #[typetag::serde(name = "identity")]
 impl Correspondence for Identity {
     fn correspond(&self, pair: Pair<'_>) -> Result<TriangleMap> {
+        self.check(pair)?;
+        let count = pair.source.triangle_count();
+        let partners = (0..count as u32).map(Some).collect();
+        Ok(TriangleMap { source_triangles: count, partners, ..TriangleMap::default() })
+    }
+
+    fn check(&self, pair: Pair<'_>) -> Result<()> {
         let (source, target) = (&pair.source.triangles, &pair.target.triangles);
         let differs = source.iter().zip(target).position(|(s, t)| s != t);
         if source.len() != target.len() || differs.is_some() {
@@ -30,7 +37,6 @@ impl Correspondence for Identity {
                 "use `correspondence: { type: nonrigid_fit }` with markers for meshes of different topology",
             ));
         }
-        let partners = (0..source.len() as u32).map(Some).collect();
-        Ok(TriangleMap { source_triangles: source.len(), partners, ..TriangleMap::default() })
+        Ok(())
     }
 }

@@ -1,1 +1,3 @@
-//! metrics
+//! Metrics: how far a result is from what it should be.
+
+pub mod point_error;

@@ -92,10 +92,8 @@ pub enum Weighting {
 #[typetag::serde(name = "gradient")]
 impl Transfer for GradientTransfer {
     fn bind(&self, pair: Pair<'_>, map: &TriangleMap) -> Result<Box<dyn BoundTransfer>> {
-        Error::check_setting("reweightings", self.reweightings as f64, 0.0, 100.0)?;
-        Error::check_setting("tolerance", self.tolerance, 1e-6, f64::INFINITY)?;
+        self.check(pair)?;
         map.check(pair)?;
-        check_connected(pair)?;
         let alignment = Alignment::new(pair, map, self.orientation);
         let similarity = alignment.target_from_source;
         let field = Field::new(pair, map, similarity.rotation, self.sampling == Sampling::Points)?;
@@ -105,6 +103,12 @@ impl Transfer for GradientTransfer {
         })?;
         let placement = self.placement.bind(pair, map, alignment)?;
         Ok(Box::new(Bound { settings: self.clone(), field, poisson, placement, figures: figures(&similarity) }))
+    }
+
+    fn check(&self, pair: Pair<'_>) -> Result<()> {
+        Error::check_setting("reweightings", self.reweightings as f64, 0.0, 100.0)?;
+        Error::check_setting("tolerance", self.tolerance, 1e-6, f64::INFINITY)?;
+        check_connected(pair)
     }
 }
 

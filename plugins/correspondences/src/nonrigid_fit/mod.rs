@@ -82,8 +82,7 @@ impl Default for NonrigidFit {
 #[typetag::serde(name = "nonrigid_fit")]
 impl Correspondence for NonrigidFit {
     fn correspond(&self, pair: Pair<'_>) -> Result<TriangleMap> {
-        self.check()?;
-        markers::check(pair)?;
+        self.check(pair)?;
         let (source, target) = (pair.source, pair.target);
         let unit = UnitFrame::new(pair, self.orientation);
         let facing = Facing::new(&unit.source, &source.triangles)?;
@@ -104,13 +103,18 @@ impl Correspondence for NonrigidFit {
         Ok(TriangleMap { source_triangles: source.triangle_count(), partners, points, figures })
     }
 
+    fn check(&self, pair: Pair<'_>) -> Result<()> {
+        self.check_settings()?;
+        markers::check(pair)
+    }
+
     fn markers_needed(&self) -> usize {
         markers::NEEDED
     }
 }
 
 impl NonrigidFit {
-    fn check(&self) -> Result<()> {
+    fn check_settings(&self) -> Result<()> {
         Error::check_setting("smoothness", self.smoothness, 1e-12, f64::INFINITY)?;
         Error::check_setting("identity", self.identity, 0.0, f64::INFINITY)?;
         Error::check_setting("closest[0]", self.closest[0], 0.0, f64::INFINITY)?;

@@ -1,0 +1,273 @@
+//! Distance of each vertex to where it should be.
+
+use mimesh_core::{
+    Error, Figures, Result, register,
+    stage::{Metric, MetricInput},
+};
+use nalgebra::{Point3, Vector3};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+register!(Metric: PointError);
+
+/// Distance of each vertex to where it should be, in percent of the diagonal of the rest bounding box.
+///
+/// The result is first moved so that its centroid (mean of its vertices) lies on that of the truth:
+/// eᵢ = 100 · ‖(pᵢ − p̄) − (tᵢ − t̄)‖ / diagonal. Figures:
+/// - `mean`, `rms` = √(Σ eᵢ² / #V), `p50`, `p95`, `p99` (percentiles, interpolated linearly between vertices), `max`;
+/// - `placed`: mean of 100 · ‖pᵢ − tᵢ‖ / diagonal, i.e. without that move;
+/// - if the polygons of the rest mesh join its vertices into several components: `components`, and `comp_mean` and
+///   `comp_max` of the distance between the component's centroids in result and truth after the move. A vertex
+///   that no polygon uses is a component of its own;
+/// - `vertices` and `nonfinite`: vertices, and those of the result that are not finite, which are counted and left out.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema, Serialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct PointError {}
+
+#[typetag::serde(name = "point_error")]
+impl Metric for PointError {
+    fn measure(&self, input: MetricInput<'_>) -> Result<Figures> {
+        let count = input.rest.positions.len();
+        Error::check_shape("vertices of the result (#V)", count, input.result.len())?;
+        Error::check_shape("vertices of the truth (#V)", count, input.truth.len())?;
+        let diagonal = input.rest.diagonal();
+        if !(diagonal.is_finite() && diagonal > 0.0) {
+            return Err(Error::data(
+                format!("the rest mesh has a bounding box of diagonal {diagonal}: expected a finite length above 0"),
+                "errors are given relative to this length; give the rest mesh that the result was made from",
+            ));
+        }
+        let finite = |p: &Point3<f64>| p.coords.iter().all(|x| x.is_finite());
+        if let Some(vertex) = input.truth.iter().position(|p| !finite(p)) {
+            return Err(Error::data(
+                format!("the truth is not finite at vertex {vertex} (from 0)"),
+                "export the known result again without NaN and infinity",
+            ));
+        }
+        let good: Vec<usize> = (0..count).filter(|&v| finite(&input.result[v])).collect();
+        let mut figures = Figures::default();
+        figures.set("vertices", count);
+        figures.set("nonfinite", count - good.len());
+        if good.len() < count {
+            figures.warn(format!(
+                "{} of {count} vertices are not finite and are left out of the errors",
+                count - good.len()
+            ));
+        }
+        if good.is_empty() {
+            return Ok(figures);
+        }
+        let percent = 100.0 / diagonal;
+        let placed: Vec<Vector3<f64>> = good.iter().map(|&v| input.result[v] - input.truth[v]).collect();
+        let shift = mean_vector(&placed);
+        let aligned: Vec<Vector3<f64>> = placed.iter().map(|d| d - shift).collect();
+
+        let mut errors: Vec<f64> = aligned.iter().map(|d| percent * d.norm()).collect();
+        errors.sort_unstable_by(f64::total_cmp);
+        let number = errors.len() as f64;
+        figures.set("mean", errors.iter().sum::<f64>() / number);
+        figures.set("rms", (errors.iter().map(|e| e * e).sum::<f64>() / number).sqrt());
+        for (name, share) in [("p50", 0.50), ("p95", 0.95), ("p99", 0.99), ("max", 1.0)] {
+            figures.set(name, percentile(&errors, share));
+        }
+        figures.set("placed", percent * placed.iter().map(Vector3::norm).sum::<f64>() / number);
+
+        let labels = components(&input);
+        if good.iter().any(|&v| labels[v] > 0) {
+            let offsets: Vec<f64> = component_offsets(&labels, &good, &aligned).iter().map(|d| percent * d).collect();
+            figures.set("components", offsets.len());
+            figures.set("comp_mean", offsets.iter().sum::<f64>() / offsets.len() as f64);
+            figures.set("comp_max", offsets.iter().copied().fold(0.0, f64::max));
+        }
+        Ok(figures)
+    }
+}
+
+fn mean_vector(vectors: &[Vector3<f64>]) -> Vector3<f64> {
+    vectors.iter().sum::<Vector3<f64>>() / vectors.len() as f64
+}
+
+/// The value below which `share` (0 to 1) of `sorted` (ascending, not empty) lie, interpolated between neighbours.
+fn percentile(sorted: &[f64], share: f64) -> f64 {
+    let place = share * (sorted.len() - 1) as f64;
+    let (below, above) = (sorted[place.floor() as usize], sorted[place.ceil() as usize]);
+    below + (above - below) * place.fract()
+}
+
+/// For each vertex of the rest mesh the component that polygons join it into, numbered by first vertex.
+fn components(input: &MetricInput<'_>) -> Vec<usize> {
+    let count = input.rest.positions.len();
+    let mut parent: Vec<usize> = (0..count).collect();
+    for polygon in input.rest.polygons.iter() {
+        for edge in polygon.windows(2) {
+            let [a, b] = [edge[0], edge[1]].map(|v| root(&mut parent, v as usize));
+            // The smaller vertex stays root, so that components come in order of their first vertex.
+            parent[a.max(b)] = a.min(b);
+        }
+    }
+    let mut labels = vec![0; count];
+    let mut next = 0;
+    for vertex in 0..count {
+        let first = root(&mut parent, vertex);
+        if first == vertex {
+            labels[vertex] = next;
+            next += 1;
+        } else {
+            labels[vertex] = labels[first];
+        }
+    }
+    labels
+}
+
+/// The root of `vertex`, halving the path to it.
+fn root(parent: &mut [usize], mut vertex: usize) -> usize {
+    while parent[vertex] != vertex {
+        parent[vertex] = parent[parent[vertex]];
+        vertex = parent[vertex];
+    }
+    vertex
+}
+
+/// How far the centroid of each component is moved, over the vertices `good`, whose moves are `moved`.
+fn component_offsets(labels: &[usize], good: &[usize], moved: &[Vector3<f64>]) -> Vec<f64> {
+    let mut sums = vec![(Vector3::zeros(), 0usize); labels.iter().max().map_or(0, |largest| largest + 1)];
+    for (&vertex, offset) in good.iter().zip(moved) {
+        let (sum, count) = &mut sums[labels[vertex]];
+        *sum += offset;
+        *count += 1;
+    }
+    sums.iter()
+        .filter(|(_, count)| *count > 0)
+        .map(|(sum, count): &(Vector3<f64>, usize)| sum.norm() / *count as f64)
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use mimesh_core::{mesh::Mesh, testkit::meshes};
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn mesh(surface: mimesh_core::mesh::Surface) -> Mesh {
+        Mesh::from_triangles(surface.positions, &surface.triangles)
+    }
+
+    fn measure(rest: &Mesh, result: &[Point3<f64>], truth: &[Point3<f64>]) -> Figures {
+        PointError::default().measure(MetricInput { rest, result, truth }).unwrap()
+    }
+
+    /// Sums of some hundred numbers of size 100 round to about this.
+    const ROUNDING: f64 = 1e-11;
+
+    #[track_caller]
+    fn assert_figure(figures: &Figures, name: &str, expected: f64) {
+        let found = figures.number(name).unwrap();
+        assert!((found - expected).abs() < ROUNDING, "{name}: {found}, expected {expected}");
+    }
+
+    #[test]
+    fn a_move_of_everything_counts_only_as_placed() {
+        let rest = mesh(meshes::icosphere(1));
+        let moved: Vec<_> = rest.positions.iter().map(|p| p + Vector3::new(0.3, 0.0, 0.4) * rest.diagonal()).collect();
+        let figures = measure(&rest, &moved, &rest.positions);
+        ["mean", "rms", "p50", "p95", "p99", "max"].iter().for_each(|name| assert_figure(&figures, name, 0.0));
+        assert_figure(&figures, "placed", 50.0);
+        assert!(figures.number("components").is_none(), "one component has no offsets");
+    }
+
+    #[test]
+    fn a_scaled_grid_has_errors_in_proportion_to_the_distance_from_its_centre() {
+        let rest = mesh(meshes::grid(2, 2));
+        let grown: Vec<_> = rest.positions.iter().map(|p| p * 2.0).collect();
+        let figures = measure(&rest, &grown, &rest.positions);
+        // Distances from the centre: once 0, four times 1/2, four times 1/√2; the diagonal is √2.
+        let (near, far) = (50.0 / 2f64.sqrt(), 50.0);
+        assert_figure(&figures, "mean", (4.0 * near + 4.0 * far) / 9.0);
+        assert_figure(&figures, "rms", ((4.0 * near * near + 4.0 * far * far) / 9.0).sqrt());
+        assert_figure(&figures, "p50", near);
+        assert_figure(&figures, "p95", far);
+        assert_figure(&figures, "max", far);
+    }
+
+    #[test]
+    fn percentiles_lie_between_neighbours() {
+        let sorted = [0.0, 1.0, 2.0, 4.0];
+        assert_eq!(percentile(&sorted, 0.5), 1.5);
+        assert_eq!(percentile(&sorted, 1.0), 4.0);
+        assert!((percentile(&sorted, 0.9) - 3.4).abs() < 1e-12);
+        assert_eq!(percentile(&[3.0], 0.5), 3.0);
+    }
+
+    #[test]
+    fn components_that_move_apart_are_each_off_by_half_of_it() {
+        let rest = mesh(meshes::two_components());
+        let half = rest.positions.len() / 2;
+        let step = Vector3::y() * rest.diagonal();
+        let apart: Vec<_> =
+            rest.positions.iter().enumerate().map(|(v, p)| if v < half { *p } else { p + step }).collect();
+        let figures = measure(&rest, &apart, &rest.positions);
+        assert_figure(&figures, "components", 2.0);
+        assert_figure(&figures, "comp_mean", 50.0);
+        assert_figure(&figures, "comp_max", 50.0);
+        assert_figure(&figures, "max", 50.0);
+    }
+
+    #[test]
+    fn an_unreferenced_vertex_is_a_component_and_its_own_error_is_its_offset() {
+        let rest = meshes::with_unreferenced_vertex();
+        let mut result = rest.positions.clone();
+        let last = result.len() - 1;
+        result[last] += Vector3::x() * rest.diagonal();
+        let figures = measure(&rest, &result, &rest.positions);
+        let share = 100.0 / result.len() as f64;
+        assert_figure(&figures, "components", 2.0);
+        assert_figure(&figures, "comp_max", 100.0 - share);
+        assert_figure(&figures, "comp_mean", 50.0);
+    }
+
+    #[test]
+    fn vertices_that_are_not_finite_are_counted_and_left_out() {
+        let rest = mesh(meshes::tetrahedron());
+        let mut result = rest.positions.clone();
+        result[2].y = f64::NAN;
+        let figures = measure(&rest, &result, &rest.positions);
+        assert_figure(&figures, "nonfinite", 1.0);
+        assert_figure(&figures, "max", 0.0);
+        assert_eq!(figures.warnings, ["1 of 4 vertices are not finite and are left out of the errors"]);
+        result.iter_mut().for_each(|p| p.x = f64::INFINITY);
+        assert_eq!(measure(&rest, &result, &rest.positions).number("mean"), None);
+    }
+
+    #[test]
+    fn counts_that_differ_and_a_mesh_without_size_are_errors() {
+        let rest = mesh(meshes::tetrahedron());
+        let measure = |rest, result, truth| PointError::default().measure(MetricInput { rest, result, truth });
+        let error = measure(&rest, &rest.positions[1..], &rest.positions).unwrap_err();
+        assert_eq!(error.to_string(), "vertices of the result (#V): expected 4, found 3");
+        let error = measure(&rest, &rest.positions, &rest.positions[1..]).unwrap_err();
+        assert_eq!(error.to_string(), "vertices of the truth (#V): expected 4, found 3");
+        let flat = Mesh { positions: vec![Point3::origin(); 4], ..rest.clone() };
+        assert!(measure(&flat, &rest.positions, &rest.positions).unwrap_err().to_string().contains("diagonal 0"));
+    }
+
+    proptest! {
+        #[test]
+        fn figures_are_ordered_and_do_not_depend_on_where_the_result_lies(
+            offsets in prop::collection::vec(prop::array::uniform3(-1.0..1.0f64), 42),
+            shift in prop::array::uniform3(-10.0..10.0f64),
+        ) {
+            let rest = mesh(meshes::icosphere(1));
+            let result: Vec<_> = rest.positions.iter().zip(&offsets).map(|(p, &d)| p + Vector3::from(d)).collect();
+            let moved: Vec<_> = result.iter().map(|p| p + Vector3::from(shift)).collect();
+            let (one, other) = (measure(&rest, &result, &rest.positions), measure(&rest, &moved, &rest.positions));
+            let get = |name| one.number(name).unwrap();
+            prop_assert!(get("p50") <= get("p95") && get("p95") <= get("p99") && get("p99") <= get("max"));
+            prop_assert!(get("mean") <= get("rms") && get("rms") <= get("max"));
+            for name in ["mean", "rms", "p50", "max"] {
+                // Moving by up to ten radii costs a digit.
+                prop_assert!((get(name) - other.number(name).unwrap()).abs() < 10.0 * ROUNDING, "{}", name);
+            }
+        }
+    }
+}
