@@ -8,7 +8,7 @@ use std::{
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use crate::{core, status::Status};
+use crate::{core, pipeline::resolve::similar_file, status::Status};
 
 /// One thing that is wrong, as the user is told of it.
 ///
@@ -115,7 +115,8 @@ impl From<core::Error> for Mistake {
             }
             core::Error::File { path, line: None, message, .. } => Self { message, ..mistake }.at(Place::File(path)),
             core::Error::Io { path, action, source } => {
-                Self { message: io_message(action, &source), ..mistake }.at(Place::File(path))
+                let hint = io_hint(&path, action, &source);
+                Self { message: io_message(action, &source), ..mistake }.hint(hint).at(Place::File(path))
             }
             _ => mistake,
         }
@@ -126,12 +127,26 @@ impl From<core::Error> for Mistake {
 pub fn io_message(action: &str, error: &std::io::Error) -> String {
     use std::io::ErrorKind;
     match error.kind() {
+        ErrorKind::NotFound if action == "write" => "cannot write: no such folder".into(),
         ErrorKind::NotFound => "no such file".into(),
         ErrorKind::IsADirectory => "is a folder, expected a file".into(),
         ErrorKind::PermissionDenied => format!("no permission to {action} it"),
         ErrorKind::StorageFull => format!("cannot {action}: the disk is full"),
         ErrorKind::InvalidData => format!("cannot {action}: not UTF-8 text"),
         _ => format!("cannot {action}: {error}"),
+    }
+}
+
+/// The way out, where there is one to tell.
+fn io_hint(path: &Path, action: &str, error: &std::io::Error) -> String {
+    use std::io::ErrorKind;
+    match (action, error.kind()) {
+        ("write", ErrorKind::StorageFull) => "free some space, or write elsewhere with `--out DIR`".into(),
+        ("write", _) => "write elsewhere with `--out DIR`".into(),
+        (_, ErrorKind::NotFound) => similar_file(path).unwrap_or_default(),
+        (_, ErrorKind::InvalidData) => "is it the file that is meant? if so, save it as UTF-8".into(),
+        (_, ErrorKind::PermissionDenied) => "allow reading it, or give another file".into(),
+        _ => String::new(),
     }
 }
 

@@ -35,7 +35,11 @@ impl Status {
     pub fn of(error: &core::Error) -> Self {
         match error {
             core::Error::Io { action: "write", .. } => Self::CannotWrite,
-            core::Error::Io { source, .. } if source.kind() == std::io::ErrorKind::NotFound => Self::MissingInput,
+            core::Error::Io { source, .. }
+                if matches!(source.kind(), std::io::ErrorKind::NotFound | std::io::ErrorKind::IsADirectory) =>
+            {
+                Self::MissingInput
+            }
             core::Error::Setting { .. } => Self::BadPipeline,
             core::Error::Other(_) => Self::Internal,
             _ => Self::BadData,
@@ -64,9 +68,10 @@ mod tests {
     fn errors_of_files_tell_missing_from_unreadable_and_from_unwritable() {
         let path = Path::new("a.obj");
         let missing = core::Error::read(path, io::ErrorKind::NotFound.into());
+        let folder = core::Error::read(path, io::ErrorKind::IsADirectory.into());
         let denied = core::Error::read(path, io::ErrorKind::PermissionDenied.into());
         let full = core::Error::write(path, io::ErrorKind::StorageFull.into());
-        assert_eq!([missing, denied, full].map(|e| Status::of(&e) as u8), [66, 65, 73]);
+        assert_eq!([missing, folder, denied, full].map(|e| Status::of(&e) as u8), [66, 66, 65, 73]);
     }
 
     #[test]

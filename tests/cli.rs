@@ -206,6 +206,35 @@ fn kept_correspondences_are_read_back() {
 }
 
 #[test]
+fn results_from_a_kept_correspondence_are_those_of_the_run_that_kept_it_to_the_last_bit() {
+    let project = Project::new();
+    // A fit in which some triangles find no partner, so that the file has every kind of entry.
+    let pipeline = |correspondence: &str| {
+        format!(
+            "source: {{ sample: {{ type: quadruped, resolution: 24, frames: 2 }} }}\n\
+             target: {{ sample: {{ type: quadruped, proportions: giraffe, resolution: 24, gait: none }} }}\n\
+             correspondence: {correspondence}\ntransfer: {{ type: gradient }}\noutput: [out/{{pose}}.obj, out/all.glb]\n"
+        )
+    };
+    project.write("p.yaml", &pipeline("{ type: nonrigid_fit, max_distance: 0.0005 }"));
+    let said =
+        project.mimesh(&["run", "p.yaml", "--quiet", "--set", "keep_correspondence=kept.json", "--out", "first"]);
+    assert_eq!(said.status, 0, "{}", said.err);
+    let kept = json(&project.read("first/kept.json"));
+    for list in ["partners", "points"] {
+        let nothing = kept[list].as_array().unwrap().iter().filter(|entry| entry.is_null()).count();
+        assert!(nothing > 0 && nothing < kept[list].as_array().unwrap().len(), "{list}: {nothing} null");
+    }
+    project.write("p.yaml", &pipeline("{ type: from_file, path: first/kept.json }"));
+    let said = project.mimesh(&["run", "p.yaml", "--quiet", "--out", "second"]);
+    assert_eq!(said.status, 0, "{}", said.err);
+    for name in ["01.obj", "02.obj", "all.glb"] {
+        let bytes = |folder: &str| std::fs::read(project.path(&format!("{folder}/{name}"))).unwrap();
+        assert!(bytes("first") == bytes("second"), "{name} differs");
+    }
+}
+
+#[test]
 fn a_pipeline_in_another_folder_finds_its_files_and_out_replaces_its_folder() {
     let project = Project::new();
     project.write(
@@ -221,6 +250,23 @@ fn a_pipeline_in_another_folder_finds_its_files_and_out_replaces_its_folder() {
     assert!(project.has("sub/out/10.obj"));
     assert_eq!(project.mimesh(&["run", "sub/p.yaml", "--out", "elsewhere"]).status, 0);
     assert_eq!(project.names("elsewhere"), ["1.obj", "10.obj", "2.obj", "run.json"]);
+}
+
+#[test]
+fn paths_are_shown_without_detours() {
+    let project = Project::new();
+    project.write(
+        "sub/p.yaml",
+        "source: { rest: ../rest.obj, poses: ../pose-*.obj }\ntarget: { rest: ./../target.obj }\n\
+         correspondence: { type: identity }\ntransfer: { type: copy_displacement }\noutput: ../out/{pose}.obj\n",
+    );
+    let said = project.mimesh(&["run", "sub/p.yaml"]);
+    assert_eq!(said.status, 0, "{}", said.err);
+    assert!(said.out.contains("\n  out/10.obj ") && said.out.contains("\n  out/run.json\n"), "{}", said.out);
+    let report = json(&project.read("out/run.json"));
+    let read: Vec<_> =
+        report["inputs"].as_array().unwrap().iter().map(|input| input["path"].as_str().unwrap()).collect();
+    assert_eq!(read, ["sub/p.yaml", "rest.obj", "pose-1.obj", "pose-2.obj", "pose-10.obj", "target.obj"]);
 }
 
 #[test]
@@ -325,7 +371,7 @@ fn score_compares_file_with_file_and_can_be_a_gate() {
     let gate = project.mimesh(&["score", "pose-1.obj", "rest.obj", "--at-most", "rms=0.1"]);
     assert_eq!(gate.status, 3);
     let unequal = project.mimesh(&["score", "pose-*.obj", "rest.obj"]);
-    assert_eq!((unequal.status, unequal.err.lines().next()), (2, Some("error: 3 results, but 1 known results")));
+    assert_eq!((unequal.status, unequal.err.lines().next()), (2, Some("error: 3 results, but 1 known result")));
 }
 
 #[test]

@@ -40,7 +40,7 @@ fn every_correspondence_keeps_its_contract() {
             contracts::correspondence(name, &*stage);
             checked += 1;
         } else {
-            // What a file holds is not for the stage to promise; tests/pipelines.rs runs it on a file that a run kept.
+            // What a file holds is not for the stage to promise; tests/cli.rs runs it on a file that a run kept.
             assert_eq!(name, "from_file");
         }
     }

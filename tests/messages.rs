@@ -16,7 +16,7 @@ fn says(project: &Project, command: &str, status: i32, expected: &str) {
 fn no_pipeline() {
     let project = Project::new();
     let said = project.mimesh(&["check", "q.yaml"]);
-    assert_eq!((said.status, said.err.as_str()), (66, "error: q.yaml: no such file\n"));
+    assert_eq!((said.status, said.err.as_str()), (66, "error: q.yaml: no such file\n  hint: did you mean `p.yaml`?\n"));
 }
 
 #[test]
@@ -149,7 +149,7 @@ fn markers_out_of_range_and_coincident() {
         65,
         "
 error: m.cons:3: marker 2: the source has no vertex 8: expected 0 to 7
-  hint: vertices count from 0; were source and target swapped, or has the mesh changed since?
+  hint: vertices and triangles count from 0; were source and target swapped, or has the mesh changed since?
 error: m.cons:5: marker 4 lies on the same point of the target as marker 3 (line 4)
   hint: remove one of the two; a point can have one partner only
 2 mistakes
@@ -315,30 +315,199 @@ fn yaml_that_is_none() {
 #[test]
 fn a_target_of_several_components() {
     let project = Project::new();
-    let one = cube(|p| p);
-    let corners = cube(|[x, y, z]| [x + 9.0, y, z]);
-    let faces: String = corners
-        .lines()
-        .filter(|line| line.starts_with('f'))
-        .map(|line| {
-            let moved = line.split(' ').skip(1).map(|v| (v.parse::<u32>().unwrap() + 8).to_string());
-            format!("f {}\n", moved.collect::<Vec<_>>().join(" "))
-        })
-        .collect();
-    let other: String = corners.lines().filter(|line| line.starts_with('v')).map(|line| format!("{line}\n")).collect();
-    project.write("target.obj", &(one.clone() + &other + &faces));
-    project.write("rest.obj", &project.read("target.obj"));
-    project.write("pose-1.obj", &project.read("target.obj"));
-    project.edit("pose-*.obj", "pose-1.obj");
+    // A box with a vertex in the middle of a side, and two plain ones beside it.
+    let body = cube(|p| p).replace("f 5 6 8 7", "v 0.5 1 3\nf 5 6 9\nf 6 8 9\nf 8 7 9\nf 7 5 9");
+    let eye = |name: &str, first: u32| {
+        let moved = cube(|[x, y, z]| [x + f64::from(first), y, z]);
+        let line = |line: &str| match line.strip_prefix("f ") {
+            Some(corners) => {
+                let corners = corners.split(' ').map(|v| (v.parse::<u32>().unwrap() + first).to_string());
+                format!("f {}\n", corners.collect::<Vec<_>>().join(" "))
+            }
+            None => format!("{line}\n"),
+        };
+        format!("o {name}\n{}", moved.lines().map(line).collect::<String>())
+    };
+    project.write("target.obj", &format!("o body\n{body}{}{}", eye("left_eye", 9), eye("right_eye", 17)));
+    project.edit("identity", "nonrigid_fit");
     project.edit("copy_displacement", "gradient");
-    let said = project.mimesh(&["run", "p.yaml"]);
-    let expected = "transfer (gradient): the target has 2 components, and gradients say nothing of how they lie to each other; \
-                    beside the largest: ";
-    assert!(said.err.contains(expected), "{}", said.err);
-    assert!(
-        said.err.contains("hint: `transfer: { type: multi_component }` will serve targets of many parts"),
-        "{}",
-        said.err
+    project.edit("output:", "markers: m.cons\noutput:");
+    project.write("m.cons", "4\n0, 0\n1, 1\n2, 2\n4, 4\n");
+    says(
+        &project,
+        "check",
+        65,
+        "
+error: p.yaml:3:17: correspondence (nonrigid_fit): 2 of the target's 3 components have no marker: left_eye (8 vertices, from vertex 9), right_eye (8 vertices, from vertex 17)
+   |
+ 3 | correspondence: { type: nonrigid_fit }
+   |                 ^^^^^^^^^^^^^^^^^^^^^
+   = hint: give each a marker, or remove loose parts; `transfer: { type: multi_component }` will serve targets of many parts
+error: p.yaml:4:11: transfer (gradient): the target has 3 components, and gradients say nothing of how they lie to each other; beside the largest: left_eye (8 vertices, from vertex 9), right_eye (8 vertices, from vertex 17)
+   |
+ 4 | transfer: { type: gradient }
+   |           ^^^^^^^^^^^^^^^^^
+   = hint: `transfer: { type: multi_component }` will serve targets of many parts; until then join or remove the loose parts
+2 mistakes
+",
     );
-    assert_eq!(said.status, 65);
+}
+
+#[test]
+fn markers_on_one_line() {
+    let project = Project::new();
+    project.edit("identity", "nonrigid_fit");
+    project.edit("output:", "markers: m.yaml\noutput:");
+    // Triangle 1 is that of the corners 0, 3 and 1.
+    project.write(
+        "m.yaml",
+        "markers:\n  - { source: 0, target: 0 }\n  - { source: 1, target: 3 }\n  \
+         - { source: { triangle: 1, barycentric: [0.5, 0, 0.5] }, target: 4 }\n",
+    );
+    says(
+        &project,
+        "check",
+        65,
+        "
+error: p.yaml:3:17: correspondence (nonrigid_fit): the 3 markers lie on one line on the source: expected points that span the shape
+   |
+ 3 | correspondence: { type: nonrigid_fit }
+   |                 ^^^^^^^^^^^^^^^^^^^^^
+   = hint: add markers away from that line
+",
+    );
+}
+
+#[test]
+fn later_mistakes_in_lists() {
+    let project = Project::new();
+    project.edit("pose-*.obj", "[pose-1.obj, 2, pose-3.obj]");
+    project.edit("out/{pose}.obj", "[1, out/all.obj, 2]");
+    project.edit(
+        "output:",
+        "truth: \"{pose}.obj\"\nmetrics: [{ type: pont_error }, { tipe: x }]\nformats: [{ type: obj, turn_normals: 7 }, { type: gif }]\noutput:",
+    );
+    says(
+        &project,
+        "check",
+        78,
+        "
+error: p.yaml:1:47: `poses`: expected a text, found 2
+   |
+ 1 | source: { rest: rest.obj, poses: [pose-1.obj, 2, pose-3.obj] }
+   |                                               ^
+error: p.yaml:1:50: no such file: pose-3.obj
+   |
+ 1 | source: { rest: rest.obj, poses: [pose-1.obj, 2, pose-3.obj] }
+   |                                                  ^^^^^^^^^^
+   = hint: did you mean `pose-2.obj`?
+error: p.yaml:6:19: unknown metric `pont_error`
+   |
+ 6 | metrics: [{ type: pont_error }, { tipe: x }]
+   |                   ^^^^^^^^^^
+   = hint: did you mean `point_error`?
+error: p.yaml:6:33: missing key `type`
+   |
+ 6 | metrics: [{ type: pont_error }, { tipe: x }]
+   |                                 ^^^^^^^^^^
+   = hint: known types: point_error
+error: p.yaml:7:38: `turn_normals`: expected true or false, found 7
+   |
+ 7 | formats: [{ type: obj, turn_normals: 7 }, { type: gif }]
+   |                                      ^
+error: p.yaml:7:51: unknown format `gif`
+   |
+ 7 | formats: [{ type: obj, turn_normals: 7 }, { type: gif }]
+   |                                                   ^^^
+   = hint: known types: glb, gltf, obj, ply, stl
+error: p.yaml:8:10: `output`: expected a text, found 1
+   |
+ 8 | output: [1, out/all.obj, 2]
+   |          ^
+error: p.yaml:8:13: a .obj file holds one pose, so its name needs `{pose}`
+   |
+ 8 | output: [1, out/all.obj, 2]
+   |             ^^^^^^^^^^^
+   = hint: e.g. `all-{pose}.obj`
+error: p.yaml:8:26: `output`: expected a text, found 2
+   |
+ 8 | output: [1, out/all.obj, 2]
+   |                          ^
+9 mistakes
+",
+    );
+}
+
+#[test]
+fn outputs_that_collide() {
+    let project = Project::new();
+    project.edit("out/{pose}.obj", "[\"out/{pose}.obj\", \"new/../out/{pose}.obj\"]");
+    says(
+        &project,
+        "check",
+        78,
+        "
+error: p.yaml:5:28: new/../out/1.obj would be written twice
+   |
+ 5 | output: [\"out/{pose}.obj\", \"new/../out/{pose}.obj\"]
+   |                            ^^^^^^^^^^^^^^^^^^^^^^^
+   = hint: give each output its own name; poses are told apart by `{pose}`
+",
+    );
+}
+
+#[test]
+fn a_glob_that_matches_nothing_but_the_rest_mesh() {
+    let project = Project::new();
+    project.edit("pose-*.obj", "rest*.obj");
+    says(
+        &project,
+        "run",
+        66,
+        "
+error: p.yaml:1:34: `rest*.obj` matches the rest mesh only, which is no pose
+   |
+ 1 | source: { rest: rest.obj, poses: rest*.obj }
+   |                                  ^^^^^^^^^
+   = hint: the 5 .obj files there go from pose-1.obj to target.obj
+",
+    );
+}
+
+#[test]
+fn a_folder_for_results_that_is_none() {
+    let project = Project::new();
+    let said = project.mimesh(&["run", "p.yaml", "--out", "rest.obj"]);
+    let expected = "error: --out rest.obj: cannot write rest.obj/1.obj: rest.obj is not a folder\n  \
+                    hint: choose another folder for `--out`\n";
+    assert_eq!((said.status, said.err.as_str()), (73, expected));
+}
+
+#[test]
+fn a_target_without_area() {
+    let project = Project::new();
+    project.write("target.obj", &cube(|[x, ..]| [x, 2.0 * x, 0.0]));
+    says(
+        &project,
+        "check",
+        65,
+        "
+error: target.obj: the mesh has no area: all vertices lie on a line
+  hint: export the mesh again with its shape
+",
+    );
+}
+
+#[test]
+fn a_target_inside_out_is_a_warning() {
+    let project = Project::new();
+    project.write("target.obj", &cube(|[x, y, z]| [-x, y, z]));
+    says(
+        &project,
+        "check",
+        0,
+        "
+warning: the target (target.obj) is inside out: its faces point inwards, those of the other mesh outwards; reverse its faces if few partners are found
+",
+    );
 }

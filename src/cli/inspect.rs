@@ -8,7 +8,6 @@ use super::{
 };
 use crate::{
     core::mesh::{MeshSequence, Statistics},
-    mistake::{Mistake, Place},
     pipeline::{Formats, check::in_file},
     status::Status,
 };
@@ -28,9 +27,7 @@ impl Inspect {
     pub fn run(&self) -> Ended {
         let file = &self.mesh;
         let formats = Formats::new(vec![]);
-        let format = formats.reader(file).map_err(|unknown| {
-            Mistake::new(Status::BadData, unknown.message).at(Place::File(file.clone())).hint(unknown.hint)
-        })?;
+        let format = formats.reader_of(file)?;
         let failed = |error| in_file(file, error);
         let sequence = format.read(file).map_err(failed)?;
         let statistics = Statistics::new(&sequence.rest).map_err(failed)?;

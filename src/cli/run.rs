@@ -21,7 +21,7 @@ pub struct Run {
     #[command(flatten)]
     overrides: Overrides,
     /// Threads to use; results do not depend on their number [default: all]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_name = "N", value_parser = threads)]
     threads: Option<u16>,
     /// Print the report (the contents of run.json) to stdout instead of the summary
     #[arg(long)]
@@ -57,6 +57,11 @@ impl Run {
         let options = self.overrides.options();
         let progress = Progress::new(self.quiet);
         let prepared = pipeline::prepare(&self.pipeline, &options)?;
+        let tell = !self.json && !self.quiet;
+        if tell {
+            // Before what they warn of may fail.
+            prepared.warnings.iter().for_each(|warning| terminal::warn(warning));
+        }
         let threads = self.threads.map_or(0, usize::from);
         let outcome = pipeline::run(&prepared, &options.settings, threads, &progress);
         progress.finish();
@@ -64,10 +69,19 @@ impl Run {
         outcome.failed.iter().for_each(terminal::tell_one);
         if self.json {
             terminal::print_json(&outcome.report);
-        } else if !self.quiet {
-            outcome.report.warnings.iter().for_each(|warning| terminal::warn(warning));
+        } else if tell {
+            let new = outcome.report.warnings.iter().filter(|warning| !prepared.warnings.contains(warning));
+            new.for_each(|warning| terminal::warn(warning));
             terminal::print(&summary::of(&outcome.report, &prepared.outputs.report));
         }
         Ok(outcome.status())
     }
+}
+
+/// A number of threads.
+fn threads(text: &str) -> Result<u16, String> {
+    text.parse()
+        .ok()
+        .filter(|count| *count > 0)
+        .ok_or_else(|| format!("expected a whole number from 1 to {}", u16::MAX))
 }

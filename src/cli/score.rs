@@ -3,17 +3,17 @@ use std::path::{Path, PathBuf};
 use nalgebra::Point3;
 use serde_json::json;
 
-use super::{Ended, summary::scores, terminal};
+use super::{Ended, summary::scores, terminal, text::count};
 use crate::{
     core::{
         mesh::{Mesh, MeshSequence, diagonal},
         plugin,
         stage::{Metric, MetricInput},
     },
-    mistake::{Mistake, Place, Result},
+    mistake::{Mistake, Result},
     pipeline::{
         Formats,
-        check::in_file,
+        check::{in_file, nearby},
         report::{PoseReport, measure, over_poses},
         resolve::{self, Found},
     },
@@ -60,7 +60,8 @@ impl Score {
         let results = read_all(&formats, &self.result)?;
         let truths = read_all(&formats, &self.truth)?;
         if results.len() != truths.len() {
-            let message = format!("{} results, but {} known results", results.len(), truths.len());
+            let results = count(results.len(), "result", "results");
+            let message = format!("{results}, but {}", count(truths.len(), "known result", "known results"));
             let hint = "both are taken in natural order, one against the other; give globs that match as many files";
             return Err(Mistake::new(Status::Usage, message).hint(hint).into());
         }
@@ -68,6 +69,16 @@ impl Score {
             Some(file) => read(&formats, file)?.rest,
             None => Mesh { positions: truths[0].positions.clone(), ..truths[0].mesh.clone() },
         };
+        let vertices = |mesh: &Mesh, file: &Path| (mesh.positions.len(), file.display().to_string());
+        let (expected, of) = vertices(&rest, self.rest.as_ref().unwrap_or(&truths[0].file));
+        for posed in truths.iter().chain(&results) {
+            let (found, file) = vertices(&posed.mesh, &posed.file);
+            if found != expected {
+                let message = format!("{file} has {}, {of} {expected}", count(found, "vertex", "vertices"));
+                let hint = "results, known results and the rest mesh are one mesh in several poses";
+                return Err(Mistake::new(Status::BadData, message).hint(hint).into());
+            }
+        }
         let metric = plugin::instances::<dyn Metric>().into_iter().find(|(name, _)| *name == "point_error");
         let Some((_, metric)) = metric else {
             return Err(Mistake::new(Status::Internal, "the metric point_error is not linked into this program").into());
@@ -84,6 +95,14 @@ impl Score {
             poses.push(PoseReport { name: result.name.clone(), metrics, nothing, ..PoseReport::default() });
         }
         let summary = over_poses(&poses).remove("point_error").unwrap_or_default();
+        for (figure, _) in &limits {
+            if !summary["average"][figure].is_number() {
+                let known = summary["average"].as_object().into_iter().flatten().map(|(figure, _)| figure.as_str());
+                let hint = format!("known figures: {}", known.collect::<Vec<_>>().join(", "));
+                let message = format!("--at-most: there is no figure `{figure}`");
+                return Err(Mistake::new(Status::Usage, message).hint(hint).into());
+            }
+        }
         if self.json {
             let pair = |(i, pose): (usize, &PoseReport)| {
                 json!({
@@ -100,10 +119,7 @@ impl Score {
         }
         let mut status = Status::Done;
         for (figure, limit) in limits {
-            let found = summary["average"][&figure].as_f64();
-            let Some(found) = found else {
-                return Err(Mistake::new(Status::Usage, format!("--at-most: there is no figure `{figure}`")).into());
-            };
+            let found = summary["average"][&figure].as_f64().unwrap_or(f64::NAN);
             if found.is_nan() || found > limit {
                 terminal::warn(&format!("{figure} is {found:.4} %, more than {limit} %"));
                 status = Status::Gate;
@@ -130,7 +146,8 @@ fn read_all(formats: &Formats, pattern: &str) -> Result<Vec<Posed>> {
     let found = resolve::expand(Path::new(""), pattern)
         .map_err(|problem| Mistake::new(Status::Usage, format!("`{pattern}` is no glob: {problem}")))?;
     if found.is_empty() {
-        return Err(Mistake::new(Status::MissingInput, format!("no file matches `{pattern}`")).into());
+        let message = format!("no file matches `{pattern}`");
+        return Err(Mistake::new(Status::MissingInput, message).hint(nearby(Path::new(pattern))).into());
     }
     let mut all = Vec::new();
     for Found { path, name } in found {
@@ -152,8 +169,5 @@ fn read_all(formats: &Formats, pattern: &str) -> Result<Vec<Posed>> {
 }
 
 fn read(formats: &Formats, file: &Path) -> Result<MeshSequence> {
-    let format = formats.reader(file).map_err(|unknown| {
-        Mistake::new(Status::BadData, unknown.message).at(Place::File(file.into())).hint(unknown.hint)
-    })?;
-    Ok(format.read(file).map_err(|error| in_file(file, error))?)
+    Ok(formats.reader_of(file)?.read(file).map_err(|error| in_file(file, error))?)
 }

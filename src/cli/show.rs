@@ -5,7 +5,7 @@ use crate::{
     core::{Plugin, plugin},
     mistake::Mistake,
     pipeline::{
-        choices, range, settings_schema,
+        choices, described_choices, range, settings_schema,
         words::{did_you_mean, unknown_type},
     },
     status::Status,
@@ -62,27 +62,38 @@ impl Show {
 fn page(plugin: &Plugin, schema: &Value, defaults: &Value) -> String {
     let name = (plugin.name)();
     let mut text = format!("{} {name}\n\n{}\n", plugin.stage, description(plugin).trim());
+    let needed = schema.get("required").and_then(Value::as_array).into_iter().flatten();
+    let needed: Vec<&str> = needed.filter_map(Value::as_str).collect();
     let settings = schema.get("properties").and_then(Value::as_object).cloned().unwrap_or_default();
     if settings.is_empty() {
         text += "\nIt has no settings.\n";
     } else {
         text += "\nSettings\n";
-        let row = |(key, schema): (&String, &Value)| (key.clone(), setting(schema, defaults.get(key)));
+        let default = |key: &String| if needed.contains(&key.as_str()) { None } else { defaults.get(key) };
+        let row = |(key, schema): (&String, &Value)| (key.clone(), setting(schema, default(key)));
         text += &pairs(&settings.iter().map(row).collect::<Vec<_>>());
     }
-    text + "\nIn YAML, with all defaults\n" + &example(plugin.stage, name, defaults.as_object())
+    text + "\nIn YAML, with all defaults\n" + &example(plugin.stage, name, &needed, defaults.as_object())
 }
 
-/// Kind, range and default in the first line, then the doc comment.
+/// Kind, range and default in the first line, then the doc comment and that of every choice; without a default it must
+/// be given.
 fn setting(schema: &Value, default: Option<&Value>) -> String {
     let mut head = vec![kind(schema)];
     head.extend(range(schema));
     match default {
-        Some(Value::Null) | None => {}
+        Some(Value::Null) => {}
+        Some(Value::String(word)) => head.push(format!("default {word}")),
         Some(default) => head.push(format!("default {default}")),
+        None => head.push("must be given".into()),
     }
-    let doc = schema.get("description").and_then(Value::as_str).unwrap_or_default();
-    format!("{}\n{doc}\n", head.join(", "))
+    let mut lines = vec![head.join(", ")];
+    lines.push(schema.get("description").and_then(Value::as_str).unwrap_or_default().into());
+    let choices = described_choices(schema);
+    lines.extend(
+        choices.into_iter().filter(|(_, doc)| !doc.is_empty()).map(|(choice, doc)| format!("- {choice}: {doc}")),
+    );
+    lines.join("\n")
 }
 
 fn kind(schema: &Value) -> String {
@@ -100,6 +111,13 @@ fn kind(schema: &Value) -> String {
     if !values.is_empty() {
         return format!("one of {}", values.join(", "));
     }
+    let limit = |key: &str| schema.get(key).and_then(Value::as_u64);
+    let item = schema.get("items").and_then(|items| items.get("type")).and_then(Value::as_str);
+    if let (Some(item @ ("number" | "integer")), Some(least), Some(most)) = (item, limit("minItems"), limit("maxItems"))
+        && least == most
+    {
+        return format!("a list of {least} {}", if item == "number" { "numbers" } else { "whole numbers" });
+    }
     match schema.get("type") {
         Some(Value::String(name)) => word(name).into(),
         Some(Value::Array(names)) => {
@@ -110,10 +128,17 @@ fn kind(schema: &Value) -> String {
     }
 }
 
-fn example(stage: &str, name: &str, defaults: Option<&Map<String, Value>>) -> String {
+fn example(stage: &str, name: &str, needed: &[&str], defaults: Option<&Map<String, Value>>) -> String {
     let settings = defaults.into_iter().flatten().filter(|(_, value)| !value.is_null());
     let mut lines = vec![format!("type: {name}")];
-    lines.extend(settings.map(|(key, value)| format!("{key}: {value}")));
+    lines.extend(settings.map(|(key, value)| match value {
+        _ if needed.contains(&key.as_str()) => format!("{key}: …"),
+        // Words need no quotes in YAML; other texts keep theirs.
+        Value::String(word) if !word.is_empty() && word.chars().all(|c| c.is_ascii_lowercase() || c == '_') => {
+            format!("{key}: {word}")
+        }
+        _ => format!("{key}: {value}"),
+    }));
     match stage {
         "metric" | "format" => format!("  {stage}s:\n    - {}\n", lines.join("\n      ")),
         "sample" => format!("  source:\n    sample:\n      {}\n", lines.join("\n      ")),

@@ -18,11 +18,20 @@ pub fn print_json(value: &impl Serialize) {
     }
 }
 
+/// More mistakes than this are counted only: they mostly have one cause.
+const MOST_MISTAKES: usize = 20;
+
 /// Tells on stderr what went wrong.
 pub fn tell(failure: &Failure) {
-    failure.mistakes.iter().for_each(tell_one);
-    if failure.mistakes.len() > 1 {
-        let _ = writeln!(io::stderr(), "{} mistakes", failure.mistakes.len());
+    failure.mistakes.iter().take(MOST_MISTAKES).for_each(tell_one);
+    match failure.mistakes.len() {
+        0 | 1 => {}
+        count if count <= MOST_MISTAKES => {
+            let _ = writeln!(io::stderr(), "{count} mistakes");
+        }
+        count => {
+            let _ = writeln!(io::stderr(), "{count} mistakes, of which {MOST_MISTAKES} are shown");
+        }
     }
 }
 

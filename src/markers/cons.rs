@@ -21,7 +21,8 @@ pub fn parse(file: &Path, text: &str) -> Result<MarkerFile> {
     let (first, head) = lines.next().unwrap_or((1, ""));
     let count = head.parse::<usize>().ok();
     if count.is_none() {
-        let message = format!("expected the number of pairs, found `{}`", shorten(head));
+        let found = if head.is_empty() { "nothing".into() } else { format!("`{}`", shorten(head)) };
+        let message = format!("expected the number of pairs, found {found}");
         mistakes.push(
             Mistake::new(Status::BadData, message)
                 .at(place(first))
@@ -100,6 +101,12 @@ mod tests {
                 "error: m.cons:5: expected `source, target`, found `1, 2, 3`",
             ]
         );
+    }
+
+    #[test]
+    fn an_empty_file_is_told() {
+        let text = read(" \n\n").unwrap_err().to_string();
+        assert!(text.starts_with("error: m.cons:1: expected the number of pairs, found nothing\n"), "{text}");
     }
 
     #[test]

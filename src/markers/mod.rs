@@ -100,10 +100,13 @@ impl MarkerFile {
     pub fn resolve(&self, source: Side<'_>, target: Side<'_>) -> Result<Vec<Marker>> {
         let mut mistakes = Vec::new();
         let mut markers = Vec::new();
+        if let Some(mistake) = self.swapped(source, target) {
+            return Err(mistake.into());
+        }
         for (i, entry) in self.entries.iter().enumerate() {
             let points = [(source, entry.source), (target, entry.target)].map(|(side, point)| {
                 on_surface(side, point).map_err(|message| {
-                    let hint = "vertices count from 0; were source and target swapped, or has the mesh changed since?";
+                    let hint = "vertices and triangles count from 0; were source and target swapped, or has the mesh changed since?";
                     mistakes.push(entry.mistake(format!("marker {}: {message}", self.name(i))).hint(hint));
                 })
             });
@@ -129,6 +132,26 @@ impl MarkerFile {
         } else {
             Err(crate::mistake::Failure { mistakes })
         }
+    }
+
+    /// That several markers do not exist, and all would with source and target exchanged.
+    fn swapped(&self, source: Side<'_>, target: Side<'_>) -> Option<Mistake> {
+        let wrong = |entry: &&Entry| {
+            let of = [(source, entry.source), (target, entry.target)];
+            of.into_iter().find_map(|(side, point)| on_surface(side, point).err())
+        };
+        let wrong: Vec<_> =
+            self.entries.iter().enumerate().filter_map(|(i, entry)| Some((i, wrong(&entry)?))).collect();
+        let fits = |entry: &Entry| on_surface(source, entry.target).is_ok() && on_surface(target, entry.source).is_ok();
+        let ([(i, first), _, ..], true) = (&wrong[..], self.entries.iter().all(fits)) else { return None };
+        let message = format!(
+            "marker {}: {first}; so it is with {} of {} markers, and with none if source and target are exchanged",
+            self.name(*i),
+            wrong.len(),
+            self.entries.len()
+        );
+        let hint = "exchange `source` and `target` in the pipeline, or the two sides of the markers";
+        Some(self.entries[*i].mistake(message).hint(hint))
     }
 
     /// Sentences about meshes that are not those that the markers were made on.
@@ -247,6 +270,25 @@ mod tests {
         let text = resolve("3\n9, 0\n1, 1\n2, 7\n").unwrap_err().to_string();
         assert!(text.contains("m.cons:2: marker 1: the source has no vertex 9: expected 0 to 5"), "{text}");
         assert!(text.contains("m.cons:4: marker 3: the target has no vertex 7: expected 0 to 5"), "{text}");
+    }
+
+    #[test]
+    fn exchanged_sides_are_told_once() {
+        let (mesh, surface) = split_square();
+        let small = Mesh::from_triangles(mesh.positions[..3].to_vec(), &[[0, 1, 2]]);
+        let small_surface = Surface::new(&small).unwrap();
+        let source = Side { name: "source", mesh: &mesh, surface: &surface };
+        let target = Side { name: "target", mesh: &small, surface: &small_surface };
+        let file = |text: &str| cons::parse(Path::new("m.cons"), text).unwrap();
+        let text = file("3\n0, 4\n1, 1\n2, 5\n").resolve(source, target).unwrap_err().to_string();
+        assert_eq!(
+            text,
+            "error: m.cons:2: marker 1: the target has no vertex 4: expected 0 to 2; so it is with 2 of 3 markers, and \
+             with none if source and target are exchanged\n  hint: exchange `source` and `target` in the pipeline, or the \
+             two sides of the markers"
+        );
+        let both = file("3\n0, 4\n1, 1\n4, 5\n").resolve(source, target).unwrap_err();
+        assert_eq!(both.mistakes.len(), 2);
     }
 
     #[test]

@@ -45,8 +45,17 @@ pub fn parse(file: &Path, text: &str) -> Result<MarkerFile> {
     let source = reference(&document, "source", &mut mistakes);
     let target = reference(&document, "target", &mut mistakes);
     let mut entries = Vec::new();
-    let count = document.value.get("markers").and_then(Value::as_array).map_or(0, Vec::len);
-    for i in 0..count {
+    let list = document.value.get("markers").and_then(Value::as_array);
+    let (maps, others): (Vec<_>, Vec<_>) =
+        list.into_iter().flatten().enumerate().partition(|(_, item)| item.is_object());
+    if let [(i, first), more @ ..] = &others[..] {
+        let path = [Step::Key("markers".into()), Step::Index(*i)];
+        let also = if more.is_empty() { String::new() } else { format!(", and so with {} more", more.len()) };
+        let message = format!("marker {}: expected a map, found {first}{also}", i + 1);
+        let hint = "write each as `{ source: 750, target: 3386 }`; lines of `750, 3386` go into a .cons file";
+        mistakes.push(document.mistake(&path, At::Value, message).hint(hint));
+    }
+    for (i, _) in maps {
         entries.extend(entry(&document, i, &mut mistakes));
     }
     check_names(&entries, &mut mistakes);
@@ -292,6 +301,10 @@ mod tests {
 
     #[test]
     fn other_keys_and_kinds_are_told() {
+        assert_eq!(
+            first_lines("markers: [\"1:2\", { source: 1, target: 2 }, 7, \"3:4\"]\n"),
+            ["1:11: marker 1: expected a map, found \"1:2\", and so with 2 more"]
+        );
         assert_eq!(first_lines("marker: []\n"), ["1:1: unknown key `marker`", "1:1: missing key `markers`"]);
         assert_eq!(first_lines("markers: 3\n"), ["1:10: `markers`: expected a list"]);
         assert_eq!(first_lines("- 1\n"), ["1:1: expected a map with the key `markers`"]);

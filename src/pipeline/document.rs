@@ -81,46 +81,68 @@ impl Document {
     pub fn parse(file: &Path, text: &str) -> Result<Self, Failure> {
         let lines: Vec<String> = text.lines().map(str::to_owned).collect();
         let text = &guarded(text);
-        let value = yaml_value(text).map_err(|error| {
-            let error = error.without_snippet();
-            let mut message = error.to_string();
-            let mut mistake = Mistake::new(Status::BadPipeline, "");
-            if let Some(location) = error.location().filter(|at| at.line() > 0) {
-                let (line, column) = (location.line() as usize, location.column() as usize);
-                if let Some(end) = message.find(&format!(" at line {line}, column {column}")) {
-                    message.truncate(end);
-                }
-                mistake = mistake.at(span_place(file, &lines, Span { line, column: column.max(1) - 1, length: 1 }));
-            } else {
-                mistake = mistake.at(Place::File(file.into()));
-            }
-            let hint = "a `:` or `#` inside a text needs quotes, and lines of one map the same indentation";
-            Mistake { message: format!("not valid YAML: {message}"), ..mistake }.hint(hint)
-        })?;
+        let value = yaml_value(text).map_err(|error| not_yaml(file, &lines, error))?;
         let root = MarkedYaml::load_from_str(text).ok().and_then(|documents| documents.first().map(Node::new));
         Ok(Self { file: file.into(), value: type_first(value), overrides: vec![], lines, root })
     }
 
     /// The text at `path`, or at the nearest part of the path that is in the file: a merged or included value has no
-    /// place of its own. A value from an option is at that option.
+    /// place of its own. A value from an option, and one that an option made what it is, is at that option.
     pub fn place(&self, path: &[Step], at: At) -> Place {
-        if let Some((_, option)) = self.overrides.iter().rev().find(|(overridden, _)| path.starts_with(overridden)) {
-            return Place::Option(option.clone());
-        }
-        let Some(mut node) = self.root.as_ref() else { return Place::File(self.file.clone()) };
-        let mut span = node.span;
+        let mut option = self.overrides.iter().rev().find(|(overridden, _)| path.starts_with(overridden));
+        let mut node = self.root.as_ref();
+        let mut span = node.map(|node| node.span);
         for (i, step) in path.iter().enumerate() {
-            let Some((_, key, value)) = node.parts.iter().find(|(part, ..)| part == step) else { break };
-            span = if i + 1 == path.len() && at == At::Key { *key } else { value.span };
-            node = value;
+            let part = node.and_then(|node| node.parts.iter().find(|(part, ..)| part == step));
+            let Some((_, key, value)) = part else {
+                let within = |overridden: &[Step]| overridden.starts_with(&path[..=i]);
+                option = option.or_else(|| self.overrides.iter().rev().find(|(overridden, _)| within(overridden)));
+                break;
+            };
+            span = Some(if i + 1 == path.len() && at == At::Key { *key } else { value.span });
+            node = Some(value);
         }
-        span_place(&self.file, &self.lines, span)
+        match (option, span) {
+            (Some((_, option)), _) => Place::Option(option.clone()),
+            (None, Some(span)) => span_place(&self.file, &self.lines, span),
+            (None, None) => Place::File(self.file.clone()),
+        }
     }
 
     /// A mistake at `path`.
     pub fn mistake(&self, path: &[Step], at: At, message: impl Into<String>) -> Mistake {
         Mistake::new(Status::BadPipeline, message).at(self.place(path, at))
     }
+}
+
+/// The mistake of a text that is no YAML, in words of someone who writes it and with a way out that fits.
+fn not_yaml(file: &Path, lines: &[String], error: serde_saphyr::Error) -> Mistake {
+    let error = error.without_snippet();
+    let mut told = error.to_string();
+    let mut place = Place::File(file.into());
+    if let Some(at) = error.location().filter(|at| at.line() > 0) {
+        let (line, column) = (at.line() as usize, at.column() as usize);
+        if let Some(end) = told.find(&format!(" at line {line}, column {column}")) {
+            told.truncate(end);
+        }
+        place = span_place(file, lines, Span { line, column: column.max(1) - 1, length: 1 });
+    }
+    let (message, hint) = if let Some(rest) = told.strip_prefix("duplicate mapping key: ") {
+        let key = rest.split(',').next().unwrap_or(rest);
+        (format!("the key `{key}` stands here a second time"), "remove one of the two")
+    } else if told.starts_with("multiple YAML documents") {
+        ("a second document begins here".into(), "remove the line `---` and what follows it; one file is one pipeline")
+    } else if told.contains("tab") {
+        (told, "indent with blanks")
+    } else if told.contains("unknown anchor") {
+        (
+            "`*` at the beginning of a value refers to an anchor, and there is none of this name".into(),
+            "put a glob that begins with `*` in quotes: `\"*.obj\"`",
+        )
+    } else {
+        (told, "a `:` or `#` inside a text needs quotes, and lines of one map the same indentation")
+    };
+    Mistake::new(Status::BadPipeline, format!("not valid YAML: {message}")).at(place).hint(hint)
 }
 
 /// The value of a YAML text, with aliases and merge keys resolved.
@@ -297,6 +319,23 @@ mod tests {
     fn no_is_a_text_and_type_comes_first() {
         let document = Document::parse(Path::new("a.yaml"), "a: no\ntype: x\n").unwrap();
         assert_eq!(document.value.to_string(), r#"{"type":"x","a":"no"}"#);
+    }
+
+    #[test]
+    fn frequent_slips_are_told_in_words_of_the_file() {
+        let told = |text: &str| {
+            let text = Document::parse(Path::new("a.yaml"), text).unwrap_err().to_string();
+            let (first, last) = (text.lines().next().unwrap(), text.lines().last().unwrap());
+            format!("{}|{}", first.trim_start_matches("error: a.yaml:"), last.trim_start_matches(['=', ' ']))
+        };
+        let tabs = told("a:\n\tb: 1\n");
+        assert!(tabs.contains("tabs") && tabs.ends_with("|hint: indent with blanks"), "{tabs}");
+        assert_eq!(
+            told("a: 1\na: 2\n"),
+            "2:1: not valid YAML: the key `a` stands here a second time|hint: remove one of the two"
+        );
+        assert!(told("a: 1\n---\na: 2\n").starts_with("3:1: not valid YAML: a second document begins here|"));
+        assert!(told("a: *.obj\n").ends_with("|hint: put a glob that begins with `*` in quotes: `\"*.obj\"`"));
     }
 
     #[test]

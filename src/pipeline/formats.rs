@@ -2,9 +2,13 @@
 
 use std::path::Path;
 
-use crate::core::{
-    plugin,
-    stage::{Format, MeshWriter},
+use crate::{
+    core::{
+        Error, plugin,
+        stage::{Format, MeshWriter},
+    },
+    mistake::{self, Mistake, Place},
+    status::Status,
 };
 
 /// The registered formats, with the settings that a pipeline gives some of them.
@@ -45,6 +49,21 @@ impl Formats {
     /// That there is none, with the extensions that are read.
     pub fn reader(&self, path: &Path) -> Result<&dyn Format, Unknown> {
         self.find(path, "read", |_| true)
+    }
+
+    /// The format of the file `path`.
+    ///
+    /// # Errors
+    ///
+    /// That there is no such file, or no format for it.
+    pub fn reader_of(&self, path: &Path) -> mistake::Result<&dyn Format> {
+        // Of a file that is not there its ending does not matter.
+        let metadata = std::fs::metadata(path).map_err(|error| Error::read(path, error))?;
+        if metadata.is_dir() {
+            return Err(Error::read(path, std::io::ErrorKind::IsADirectory.into()).into());
+        }
+        let told = |unknown: Unknown| Mistake::new(Status::BadData, unknown.message).hint(unknown.hint);
+        Ok(self.reader(path).map_err(|unknown| told(unknown).at(Place::File(path.into())))?)
     }
 
     /// The format of `path`, which can write, and how.

@@ -29,7 +29,7 @@ pub use document::{At, Document, Step};
 pub use formats::{Formats, Unknown, Writes};
 pub use hash::hash_file;
 pub use one_or_many::OneOrMany;
-pub use ranges::{choices, range, settings_schema};
+pub use ranges::{choices, described_choices, range, settings_schema};
 pub use report::Report;
 pub use run::{Outcome, run};
 pub use spec::{Pipeline, Source, Target};

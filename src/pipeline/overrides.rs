@@ -48,8 +48,18 @@ fn apply_one(document: &mut Document, setting: &str) -> Result<(), Mistake> {
             (Step::Index(index), Value::Array(list)) => {
                 let count = list.len();
                 list.get_mut(*index).ok_or_else(|| {
-                    wrong(format!("`{}` has {count} items, there is no item {index} (from 0)", so_far()), "")
+                    let items = if count == 1 { "item" } else { "items" };
+                    wrong(format!("`{}` has {count} {items}, there is no item {index} (from 0)", so_far()), "")
                 })?
+            }
+            // A list that is not there begins with its first item.
+            (Step::Index(0), place @ Value::Null) if i > 0 => {
+                *place = Value::Array(vec![Value::Null]);
+                &mut place[0]
+            }
+            (Step::Index(index), _) if i > 0 => {
+                let hint = format!("set the whole list: `--set '{}=[…]'`", so_far());
+                return Err(wrong(format!("`{}` is no list, there is no item {index} (from 0)", so_far()), &hint));
             }
             (_, Value::Array(_)) => {
                 return Err(wrong(format!("`{}` is a list, expected a number from 0, found `{step}`", so_far()), ""));
@@ -100,12 +110,22 @@ mod tests {
     }
 
     #[test]
+    fn what_a_value_is_set_into_has_its_place_at_the_option_too() {
+        let document = set("transfer: { type: x }\nk: 1\n", &["tranfer.k=1", "metrics.0.type=y", "k.a=1"]).unwrap();
+        assert_eq!(document.value["metrics"].to_string(), r#"[{"type":"y"}]"#);
+        assert_eq!(document.place(&path(["tranfer"]), At::Key).to_string(), "--set tranfer.k=1");
+        assert_eq!(document.place(&path(["metrics", "0", "k"]), At::Value).to_string(), "--set metrics.0.type=y");
+        assert_eq!(document.place(&path(["transfer", "z"]), At::Value).to_string(), "p.yaml:1:11");
+    }
+
+    #[test]
     fn what_is_not_understood_names_the_option() {
         assert_eq!(
-            set("a: [1]\n", &["a", "a.5=1", "a.b=1"]).unwrap_err(),
+            set("a: [1]\nc: x\n", &["a", "a.5=1", "a.b=1", "c.0=1"]).unwrap_err(),
             "--set a: expected `key=value`\n  hint: e.g. `--set transfer.type=gradient`\n\
-             --set a.5=1: `a` has 1 items, there is no item 5 (from 0)\n\
-             --set a.b=1: `a` is a list, expected a number from 0, found `b`"
+             --set a.5=1: `a` has 1 item, there is no item 5 (from 0)\n\
+             --set a.b=1: `a` is a list, expected a number from 0, found `b`\n\
+             --set c.0=1: `c` is no list, there is no item 0 (from 0)\n  hint: set the whole list: `--set 'c=[…]'`"
         );
     }
 }

@@ -1,7 +1,7 @@
 //! From the values of a document to the typed [`Pipeline`], with all mistakes at once.
 //!
-//! Each slot is deserialised on its own. When that fails, the mistake is noted, the offending key is taken out of a
-//! copy, and the slot is tried again, so that a second mistake in it is found as well.
+//! Each slot, and each stage of a list, is deserialised on its own. When that fails, the mistake is noted, the offending
+//! value is taken out of a copy, and the rest is tried again, so that a second mistake in it is found as well.
 
 use serde::de::DeserializeOwned;
 use serde_json::Value;
@@ -44,8 +44,8 @@ pub fn parse(document: &Document) -> (Pipeline, Vec<Mistake>) {
         keep_correspondence: slots.optional("keep_correspondence"),
         transfer: slots.required("transfer"),
         truth: slots.optional("truth"),
-        metrics: slots.optional("metrics"),
-        formats: slots.optional("formats").unwrap_or_default(),
+        metrics: slots.list("metrics"),
+        formats: slots.list("formats").unwrap_or_default(),
         output: slots.required("output").unwrap_or_default(),
     };
     (pipeline, slots.mistakes)
@@ -68,16 +68,15 @@ pub fn value<T: DeserializeOwned>(document: &Document, path: &[Step], mistakes: 
             Err(error) => error,
         };
         let inner: Vec<Step> = error.path().iter().filter_map(step).collect();
-        let whole: Vec<Step> = path.iter().chain(&inner).cloned().collect();
         let text = error.inner().to_string();
-        if text.starts_with("missing field") && removed.iter().any(|gone| gone[..gone.len() - 1] == inner[..]) {
-            return None;
+        // Of what has been taken out only the reason is told, not that it is missing or that its stand-in is wrong.
+        let follows = removed.iter().any(|gone| *gone == inner || gone[..gone.len() - 1] == inner[..]);
+        if !follows {
+            let whole: Vec<Step> = path.iter().chain(&inner).cloned().collect();
+            mistakes.push(mistake(document, &whole, &text));
         }
-        mistakes.push(mistake(document, &whole, &text));
-        if inner.is_empty() || text.starts_with("missing field") || !remove(&mut value, &inner) {
-            return None;
-        }
-        removed.push(inner);
+        let gone = take_out(&mut value, &inner, &removed)?;
+        removed.push(gone);
     }
 }
 
@@ -113,10 +112,21 @@ impl Slots<'_> {
     }
 
     fn optional<T: DeserializeOwned>(&mut self, key: &str) -> Option<T> {
-        let path = [Step::Key(key.into())];
+        self.at(&[Step::Key(key.into())])
+    }
+
+    /// A list of stages, each read on its own; those with mistakes are left out.
+    fn list<T: DeserializeOwned>(&mut self, key: &str) -> Option<Vec<T>> {
+        match self.document.value.get(key).and_then(Value::as_array).map(Vec::len) {
+            Some(count) => Some((0..count).filter_map(|i| self.at(&[Step::Key(key.into()), Step::Index(i)])).collect()),
+            None => self.optional(key),
+        }
+    }
+
+    fn at<T: DeserializeOwned>(&mut self, path: &[Step]) -> Option<T> {
         let mut mistakes = Vec::new();
-        let value = value(self.document, &path, &mut mistakes);
-        let out_of_range = ranges::check(self.document, &path);
+        let value = value(self.document, path, &mut mistakes);
+        let out_of_range = ranges::check(self.document, path);
         // A number out of range may have the wrong type too; the range says more.
         mistakes.retain(|mistake| !out_of_range.iter().any(|other| other.place == mistake.place));
         self.mistakes.extend(mistakes.into_iter().chain(out_of_range));
@@ -147,12 +157,15 @@ fn mistake(document: &Document, path: &[Step], error: &str) -> Mistake {
     let of_stage = if in_type { stage_at(&path[..path.len() - 1]) } else { stage.clone() };
     let told = tell(error, key.unwrap_or("pipeline"), of_stage.as_deref(), &ranges::choices_at(document, path));
     let missing = error.starts_with("missing field");
+    let settings = path.iter().try_fold(&document.value, |value, step| step.get(value));
+    let name = settings.and_then(|settings| settings.get("type")).and_then(Value::as_str).unwrap_or("TYPE");
+    let hint = told.hint.replace("TYPE", name);
     // A stage of unknown type fails as a whole; the word to point at is its type.
     let mut at = path.to_vec();
     if error.starts_with("unknown variant") && stage.is_some() && !in_type {
         at.push(Step::Key("type".into()));
     }
-    document.mistake(&at, if told.about_key && !missing { At::Key } else { At::Value }, told.message).hint(told.hint)
+    document.mistake(&at, if told.about_key && !missing { At::Key } else { At::Value }, told.message).hint(hint)
 }
 
 /// The stage whose settings stand at `path` itself.
@@ -177,15 +190,27 @@ fn step(segment: &Segment) -> Option<Step> {
     }
 }
 
-/// Takes the value at `path` out; false if there is none.
-fn remove(value: &mut Value, path: &[Step]) -> bool {
-    let Some((last, parents)) = path.split_last() else { return false };
-    let Some(parent) = parents.iter().try_fold(value, |value, step| step.get_mut(value)) else { return false };
-    match (parent, last) {
-        (Value::Object(map), Step::Key(key)) => map.shift_remove(key).is_some(),
-        // Taking it out would move the places of those behind it.
-        (Value::Array(_), Step::Index(_)) | (_, _) => false,
+/// Takes the value at `path` out and gives its path, or that of the value around it which had to go as a whole; `None`
+/// if nothing is left.
+///
+/// In a list an empty text takes its place, so that those behind it keep their numbers.
+fn take_out(value: &mut Value, path: &[Step], removed: &[Vec<Step>]) -> Option<Vec<Step>> {
+    for end in (1..=path.len()).rev() {
+        let path = &path[..end];
+        let (last, parents) = path.split_last()?;
+        match (parents.iter().try_fold(&mut *value, |value, step| step.get_mut(value))?, last) {
+            (Value::Object(map), Step::Key(key)) if map.contains_key(key) => {
+                map.shift_remove(key);
+                return Some(path.to_vec());
+            }
+            (Value::Array(list), Step::Index(index)) if !removed.iter().any(|gone| gone == path) => {
+                *list.get_mut(*index)? = Value::String(String::new());
+                return Some(path.to_vec());
+            }
+            _ => {}
+        }
     }
+    None
 }
 
 #[cfg(test)]
@@ -220,7 +245,8 @@ mod tests {
     #[test]
     fn every_mistake_is_told_at_its_own_place() {
         let text = "sorce: {}\nsource:\n  rest: 7\n  pose: x\ntarget: [a]\ncorrespondence: { type: test_corespondence }\n\
-            transfer:\n  type: test_transfer\n  strength: much\n  strenght: 1\noutput: { a: 1 }\nmetrics: [{ tipe: x }]\n";
+            transfer:\n  type: test_transfer\n  strength: much\n  strenght: 1\noutput: { a: 1 }\n\
+            metrics: [{ tipe: x }, { type: y }, { type: z }]\n";
         assert_eq!(
             mistakes(text),
             [
@@ -232,7 +258,24 @@ mod tests {
                 "p.yaml:9:13: `strength`: expected a number, found the text \"much\"",
                 "p.yaml:10:3: unknown key `strenght`",
                 "p.yaml:12:11: missing key `type`",
+                "p.yaml:12:32: unknown metric `y`",
+                "p.yaml:12:45: unknown metric `z`",
                 "p.yaml:11:9: `output`: expected a text or a list of texts, found a map",
+            ]
+        );
+    }
+
+    #[test]
+    fn every_wrong_item_of_a_list_is_told_at_its_own_place() {
+        let text = GOOD.replace("out/{pose}.obj", "[1, a.obj, [b], c.obj, 2]").replace("b-*.obj", "[x, 3, 4]");
+        assert_eq!(
+            mistakes(&text),
+            [
+                "p.yaml:1:35: `poses`: expected a text, found 3",
+                "p.yaml:1:38: `poses`: expected a text, found 4",
+                "p.yaml:5:10: `output`: expected a text, found 1",
+                "p.yaml:5:20: `output`: expected a text, found a list",
+                "p.yaml:5:32: `output`: expected a text, found 2",
             ]
         );
     }

@@ -73,11 +73,24 @@ pub fn settings_schema(plugin: &Plugin) -> Value {
     (plugin.schema)(&mut settings.into_generator()).to_value()
 }
 
-/// The words that a schema lets a value be, if it is one of several.
+/// What a schema lets a value be, if it is one of several.
 pub fn choices(schema: &Value) -> Vec<String> {
+    described_choices(schema).into_iter().map(|(choice, _)| choice).collect()
+}
+
+/// What a schema lets a value be, if it is one of several, each with its description (which may be empty): words, and
+/// maps of one key as `{ key: … }`.
+pub fn described_choices(schema: &Value) -> Vec<(String, String)> {
     let list = |key: &str| schema.get(key).and_then(Value::as_array).into_iter().flatten();
-    let told = list("oneOf").filter_map(|one| one.get("const"));
-    list("enum").chain(told).filter_map(Value::as_str).map(str::to_owned).collect()
+    let plain = list("enum").filter_map(Value::as_str).map(|word| (word.to_owned(), String::new()));
+    let described = list("oneOf").filter_map(|one| {
+        let word = one.get("const").and_then(Value::as_str).map(str::to_owned);
+        let key = || Some(one.get("properties")?.as_object()?.keys().next()?.as_str());
+        let choice = word.or_else(|| Some(format!("{{ {}: … }}", key()?)))?;
+        let description = one.get("description").and_then(Value::as_str).unwrap_or_default();
+        Some((choice, description.replace('\n', " ")))
+    });
+    plain.chain(described).collect()
 }
 
 /// The words that the value at `path` may be, if it is a setting that is one of several.

@@ -138,7 +138,12 @@ impl Run<'_> {
                 self.stages.push(clock.stop(stage, name, figures));
                 Ok(result)
             }
-            Err(error) => Err(Mistake::from(error).doing(format!("{stage} ({name})")).into()),
+            Err(error) => {
+                let mistake = Mistake::from(error);
+                // Some say themselves which stage they are about.
+                let message = mistake.message.trim_start_matches(&format!("{stage}: ")).to_owned();
+                Err(Mistake { message, ..mistake }.doing(format!("{stage} ({name})")).into())
+            }
         }
     }
 }
@@ -172,14 +177,17 @@ fn settings(prepared: &Prepared) -> Value {
 fn inputs(prepared: &Prepared) -> Result<Vec<InputFile>> {
     use rayon::prelude::*;
     let hashed = |input: &super::check::Input| {
-        let failed = |error| Failure::from(Error::read(&input.path, error));
-        let bytes = std::fs::metadata(&input.path).map_err(failed)?.len();
-        let blake3 = hash_file(&input.path).map_err(failed)?;
+        let bytes = std::fs::metadata(&input.path)?.len();
+        let blake3 = hash_file(&input.path)?;
         Ok(InputFile { role: input.role, path: input.path.clone(), bytes, blake3 })
     };
-    // A pose whose file is gone has been told; it is left out here.
-    let present: Vec<_> = prepared.inputs.iter().filter(|input| !input.is_pose() || input.path.is_file()).collect();
-    present.into_par_iter().map(hashed).collect()
+    let told = |input: &super::check::Input| match hashed(input) {
+        Ok(file) => Some(Ok(file)),
+        // A pose that cannot be read has been told; it is left out here.
+        Err(_) if input.is_pose() => None,
+        Err(error) => Some(Err(Failure::from(Error::read(&input.path, error)))),
+    };
+    prepared.inputs.par_iter().filter_map(told).collect()
 }
 
 fn deduplicate(warnings: &mut Vec<String>) {

@@ -39,7 +39,7 @@ pub struct Pipeline {
     pub truth: Option<PathBuf>,
     /// What to measure where the truth is known; left out, the point error.
     pub metrics: Option<Vec<Box<dyn Metric>>>,
-    /// Settings of file formats that differ from their defaults, e.g. `[{ type: gltf, frames_per_second: 24 }]`.
+    /// Settings of file formats that differ from their defaults, e.g. `[{ type: glb, frames_per_second: 30 }]`.
     #[serde(default)]
     pub formats: Vec<Box<dyn Format>>,
     /// Files to write: for one file a pose a path with `{pose}`, for all poses in one file a path without.

@@ -42,7 +42,8 @@ pub fn tell(error: &str, key: &str, stage: Option<&str>, choices: &[String]) -> 
         let missing = quoted.next().unwrap_or_default();
         let hint = match stage {
             Some(stage) if missing == "type" => format!("known types: {}", types(stage).join(", ")),
-            _ => String::new(),
+            Some(stage) => format!("`mimesh show {stage} TYPE` tells its settings"),
+            None => String::new(),
         };
         return Told { message: format!("missing key `{missing}`"), hint, about_key: true };
     }

@@ -57,7 +57,9 @@ impl Check<'_> {
                     from: PoseFrom::Held(i),
                 };
                 let poses: Vec<_> = side.sequence.poses.iter().enumerate().map(named).collect();
-                if poses.is_empty() {
+                // A wrong `poses` has been told already.
+                let said = self.document.value.get("source").and_then(|source| source.get("poses"));
+                if poses.is_empty() && said.is_none_or(serde_json::Value::is_null) {
                     let what = if side.path.is_some() { "the rest file holds none" } else { "the sample makes none" };
                     let hint = "say where they are, e.g. `poses: horse-??.obj`";
                     self.missing(&path(["source"]), format!("the source has no poses: {what}"), hint);
@@ -71,6 +73,21 @@ impl Check<'_> {
 
     pub(super) fn target(&mut self, target: &Target) -> Option<Side> {
         self.side("target", target.rest.as_deref(), target.sample.as_deref())
+    }
+
+    /// Warns if one of the two has its faces turned the other way round: correspondences look at where faces point.
+    pub(super) fn inside_out(&mut self, source: Option<&Side>, target: Option<&Side>) {
+        let (Some(source), Some(target)) = (source, target) else { return };
+        if let (Some(of_source), Some(of_target)) = (source.volume(), target.volume())
+            && of_source * of_target < 0.0
+        {
+            let (name, side) = if of_source < 0.0 { ("source", source) } else { ("target", target) };
+            let file = side.path.as_ref().map(|path| format!(" ({})", path.display())).unwrap_or_default();
+            self.warnings.push(format!(
+                "the {name}{file} is inside out: its faces point inwards, those of the other mesh outwards; \
+                 reverse its faces if few partners are found"
+            ));
+        }
     }
 
     fn side(&mut self, name: &'static str, rest: Option<&Path>, sample: Option<&dyn Sample>) -> Option<Side> {
@@ -106,18 +123,19 @@ impl Check<'_> {
     fn read_side(&mut self, name: &'static str, file: &Path) -> Option<Side> {
         let at = path([name, "rest"]);
         let role = if name == "source" { "source rest" } else { "target rest" };
-        let format = match self.formats.reader(file) {
-            Ok(format) => Some(format),
-            Err(unknown) => {
-                self.wrong(&at, At::Value, unknown.message, unknown.hint);
-                None
-            }
-        };
-        let read = format.filter(|_| file.is_file()).map(|format| format.read(file));
-        if !self.input(role, file, &at) {
+        let before = self.mistakes.len();
+        self.empty_texts(&at);
+        if self.mistakes.len() > before || !self.input(role, file, &at) {
             return None;
         }
-        match read?.and_then(|sequence| Side::new(Some(file.into()), sequence)) {
+        let format = match self.formats.reader(file) {
+            Ok(format) => format,
+            Err(unknown) => {
+                self.wrong(&at, At::Value, unknown.message, unknown.hint);
+                return None;
+            }
+        };
+        match format.read(file).and_then(|sequence| Side::new(Some(file.into()), sequence)) {
             Ok(side) => {
                 let warnings = side.sequence.warnings.iter();
                 self.warnings.extend(warnings.map(|warning| format!("{}: {warning}", file.display())));
@@ -135,9 +153,12 @@ impl Check<'_> {
         let mut poses: Vec<PoseInput> = Vec::new();
         let mut seen = std::collections::HashSet::new();
         if patterns.items.is_empty() {
-            self.missing(&path(["source", "poses"]), "the list of poses is empty", "name at least one file");
+            let at = path(["source", "poses"]);
+            self.wrong(&at, At::Value, "the list of poses is empty", "name at least one file");
         }
-        for (i, pattern) in patterns.items.iter().enumerate() {
+        self.empty_texts(&path(["source", "poses"]));
+        // An item that is no text has been told, and an empty one stands in its place.
+        for (i, pattern) in patterns.items.iter().enumerate().filter(|(_, pattern)| !pattern.is_empty()) {
             let mut at = path(["source", "poses"]);
             if patterns.listed {
                 at.push(Step::Index(i));
@@ -152,6 +173,11 @@ impl Check<'_> {
             let is_rest = |file: &Path| rest.as_ref().is_some_and(|rest| *rest == resolve::identity(file));
             let glob = resolve::is_glob(pattern);
             let matched = found.len();
+            if glob && matched > 0 && found.iter().all(|found| is_rest(&found.path)) {
+                let hint = nearby(&resolve::from_base(&self.base, Path::new(pattern)));
+                self.missing(&at, format!("`{pattern}` matches the rest mesh only, which is no pose"), hint);
+                continue;
+            }
             for found in found {
                 if glob && is_rest(&found.path) {
                     self.warnings.push(format!("`{pattern}` also matches the rest mesh, which is not taken as a pose"));
@@ -168,11 +194,14 @@ impl Check<'_> {
     }
 
     fn pose_file(&mut self, file: &Path, at: &[Step]) -> bool {
-        if let Err(unknown) = self.formats.reader(file) {
-            self.wrong(at, At::Value, unknown.message, unknown.hint);
+        if !self.input("pose", file, at) {
             return false;
         }
-        self.input("pose", file, at)
+        let unknown = self.formats.reader(file).err();
+        if let Some(unknown) = &unknown {
+            self.wrong(at, At::Value, unknown.message.clone(), unknown.hint.clone());
+        }
+        unknown.is_none()
     }
 
     /// The poses under names of their own: where wildcards stand for the same, poses are called like their files.
@@ -201,6 +230,9 @@ impl Check<'_> {
             let hint =
                 "rename one, or use a wildcard where the paths differ: a pose is called what wildcards stand for";
             self.wrong(&path(["source", "poses"]), At::Value, message.trim_end_matches(": "), hint);
+            // Told once; that their results collide follows.
+            let mut seen = std::collections::HashSet::new();
+            poses.retain(|pose| seen.insert(pose.name.clone()));
         }
         poses
     }
@@ -211,9 +243,26 @@ impl Side {
     ///
     /// # Errors
     ///
-    /// As [`Surface::new`].
+    /// As [`Surface::new`], and if no triangle has an area.
     pub fn new(path: Option<PathBuf>, sequence: MeshSequence) -> Result<Self, Error> {
-        Ok(Self { path, surface: Surface::new(&sequence.rest)?, sequence })
+        let surface = Surface::new(&sequence.rest)?;
+        let area: f64 = surface.area_normals(&surface.positions).iter().map(|normal| normal.norm()).sum();
+        let diagonal = surface.diagonal();
+        // Below this, areas are rounding errors of the positions.
+        if area <= 1e-12 * diagonal * diagonal {
+            let what = if diagonal == 0.0 { "all vertices lie on one point" } else { "all vertices lie on a line" };
+            return Err(Error::data(format!("the mesh has no area: {what}"), "export the mesh again with its shape"));
+        }
+        Ok(Self { path, surface, sequence })
+    }
+
+    /// The volume inside, negative if faces point inwards; none if the surface is open.
+    fn volume(&self) -> Option<f64> {
+        let surface = &self.surface;
+        let corner = |t: &[u32; 3]| surface.positions[t[0] as usize] - surface.positions[0];
+        let normals = surface.area_normals(&surface.positions);
+        let volume = || surface.triangles.iter().zip(&normals).map(|(t, normal)| corner(t).dot(normal) / 6.0).sum();
+        surface.topology().boundary.is_empty().then(volume)
     }
 }
 
@@ -224,16 +273,22 @@ impl Input {
     }
 }
 
-/// An error about the contents of `file`; those that do not name it are placed there.
+/// An error about the contents of `file`; those that do not name it are placed there, and one about a file that it
+/// needs says so.
 pub fn in_file(file: &Path, error: Error) -> Mistake {
-    let mistake = Mistake::from(error);
+    let mut mistake = Mistake::from(error);
+    if let Some(Place::File(other)) = &mistake.place
+        && other != file
+    {
+        mistake.message += &format!(", and {} needs it", file.display());
+    }
     let place = mistake.place.clone().unwrap_or_else(|| Place::File(file.into()));
     let status = if mistake.status == Status::BadPipeline { Status::BadData } else { mistake.status };
     Mistake { status, ..mistake.at(place) }
 }
 
 /// What there is in the folder where a glob matched nothing.
-fn nearby(pattern: &Path) -> String {
+pub fn nearby(pattern: &Path) -> String {
     let folder = pattern.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     if resolve::is_glob(&folder.to_string_lossy()) {
         return "globs are relative to the folder of the pipeline's file".into();

@@ -8,9 +8,11 @@ mod truth;
 
 use std::path::{Path, PathBuf};
 
-pub use meshes::{PoseFrom, PoseInput, Side, in_file};
+pub use meshes::{PoseFrom, PoseInput, Side, in_file, nearby};
 pub use outputs::{Output, Outputs};
 pub use truth::Truth;
+
+use serde_json::Value;
 
 use super::{
     At, Document, Formats, Pipeline, Step, overrides, parse,
@@ -96,6 +98,7 @@ pub fn prepare(file: &Path, options: &Options) -> Result<Prepared> {
     check.format_settings();
     let (source, poses) = check.source(&pipeline.source);
     let target = check.target(&pipeline.target);
+    check.inside_out(source.as_ref(), target.as_ref());
     let markers = check.markers(pipeline.markers.as_deref(), source.as_ref(), target.as_ref());
     let truth = check.truth(pipeline.truth.as_deref(), target.as_ref(), &poses);
     let metrics = check.metrics(pipeline.metrics.take(), &truth);
@@ -158,13 +161,31 @@ impl Check<'_> {
             return true;
         }
         if path.is_dir() {
-            self.missing(at, format!("{} is a folder, expected a file", path.display()), "");
+            let hint = "name a file in it; `*.obj` in quotes stands for all of a kind";
+            self.missing(at, format!("{} is a folder, expected a file", path.display()), hint);
         } else {
             let hint = super::resolve::similar_file(path)
                 .unwrap_or_else(|| "paths are relative to the folder of the pipeline's file".into());
             self.missing(at, format!("no such file: {}", path.display()), hint);
         }
         false
+    }
+
+    /// Texts without contents where a path belongs: the value at `path`, or items of the list there.
+    fn empty_texts(&mut self, path: &[Step]) {
+        let Some(value) = path.iter().try_fold(&self.document.value, |value, step| step.get(value)) else { return };
+        let mut empty = Vec::new();
+        match value {
+            Value::String(text) if text.is_empty() => empty.push(path.to_vec()),
+            Value::Array(list) => {
+                let items = list.iter().enumerate().filter(|(_, item)| item.as_str() == Some(""));
+                empty.extend(items.map(|(i, _)| [path, &[Step::Index(i)]].concat()));
+            }
+            _ => {}
+        }
+        for path in empty {
+            self.wrong(&path, At::Value, "expected a path, found an empty text", "name a file, or remove it");
+        }
     }
 
     /// Two plug-ins of one stage and name, which no YAML can tell apart.
@@ -182,7 +203,7 @@ impl Check<'_> {
     /// Two entries of `formats` for one type.
     fn format_settings(&mut self) {
         let document = self.document;
-        let list = document.value.get("formats").and_then(serde_json::Value::as_array);
+        let list = document.value.get("formats").and_then(Value::as_array);
         let types: Vec<_> = list.into_iter().flatten().map(|format| format.get("type").cloned()).collect();
         for (i, name) in types.iter().enumerate() {
             if name.is_some() && types[..i].contains(name) {

@@ -1,11 +1,12 @@
 use std::{
     collections::{HashMap, HashSet},
+    io::ErrorKind,
     path::{Path, PathBuf},
 };
 
 use super::{Check, PoseInput};
 use crate::{
-    mistake::Mistake,
+    mistake::{Mistake, Place},
     pipeline::{At, Pipeline, Step, Writes, document::path, resolve},
     status::Status,
 };
@@ -33,21 +34,25 @@ pub enum Output {
 impl Check<'_> {
     pub(super) fn outputs(&mut self, pipeline: &Pipeline, poses: &[PoseInput], out: Option<&Path>) -> Outputs {
         let place = |path: &Path| match (out, path.file_name()) {
-            (Some(out), Some(name)) => out.join(name),
+            (Some(out), Some(name)) => resolve::tidy(&out.join(name)),
             _ => resolve::from_base(&self.base, path),
         };
-        let patterns: Vec<PathBuf> = pipeline.output.items.iter().map(|pattern| place(Path::new(pattern))).collect();
+        // An item that is no text has been told, and an empty one stands in its place.
+        let items = pipeline.output.items.iter().enumerate().filter(|(_, item)| !item.is_empty());
+        let patterns: Vec<(usize, PathBuf)> = items.map(|(i, item)| (i, place(Path::new(item)))).collect();
         let correspondence = pipeline.keep_correspondence.as_deref().map(place);
         let mut outputs = Outputs { meshes: vec![], correspondence, report: PathBuf::new() };
         let read = self.inputs.iter().map(|input| (resolve::identity(&input.path), input.role));
-        let mut places = Places { read: read.collect(), written: HashSet::new() };
-        if patterns.is_empty() && self.document.value.get("output").is_some_and(|output| output.is_array()) {
+        let mut places = Places { read: read.collect(), out, ..Places::default() };
+        self.empty_texts(&path(["output"]));
+        if pipeline.output.listed && pipeline.output.items.is_empty() {
             self.wrong(&path(["output"]), At::Value, "the list of outputs is empty", "e.g. `output: out/{pose}.obj`");
         }
-        for (i, pattern) in patterns.iter().enumerate() {
+        let before = self.mistakes.len();
+        for (i, pattern) in &patterns {
             let mut at = path(["output"]);
             if pipeline.output.listed {
-                at.push(Step::Index(i));
+                at.push(Step::Index(*i));
             }
             if let Some(output) = self.output(pattern, poses, &at) {
                 // One file tells what is wrong with all of a pattern.
@@ -57,19 +62,19 @@ impl Check<'_> {
         }
         if let Some(file) = &outputs.correspondence {
             let at = path(["keep_correspondence"]);
-            if file.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("json")) {
-                self.wrong(
-                    &at,
-                    At::Value,
-                    "a correspondence is kept as .json",
-                    "e.g. `keep_correspondence: pairs.json`",
-                );
+            if file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json")) {
+                self.writable(file, &at, &mut places);
+            } else {
+                let hint = "e.g. `keep_correspondence: pairs.json`";
+                self.wrong(&at, At::Value, "a correspondence is kept as .json", hint);
             }
-            self.writable(file, &at, &mut places);
         }
-        if let Some(folder) = patterns.first().and_then(|first| first.parent()) {
+        if let Some(folder) = patterns.first().and_then(|(_, first)| first.parent()) {
             outputs.report = folder.join("run.json");
-            self.writable(&outputs.report, &path(["output"]), &mut places);
+            // It lies beside the first result; what is wrong with that is wrong with it too.
+            if self.mistakes.len() == before {
+                self.writable(&outputs.report, &path(["output"]), &mut places);
+            }
         }
         outputs
     }
@@ -115,23 +120,42 @@ impl Check<'_> {
         }
     }
 
-    /// Checks that `file` can be written without harm: it is no input, no folder, and nothing else is written there.
+    /// Checks that `file` can be written without harm: it is no input, no folder, nothing else is written there, and
+    /// new files may be made in its folder.
     fn writable(&mut self, file: &Path, at: &[Step], places: &mut Places) -> bool {
         let identity = resolve::identity(file);
-        let blocked = |message: String| Mistake {
-            status: Status::CannotWrite,
-            ..self.document.mistake(at, At::Value, message).hint("choose another folder or name")
+        let shown = file.display();
+        let out = places.out;
+        let hint = match (out, at.first()) {
+            (Some(_), _) => "choose another folder for `--out`",
+            (None, Some(Step::Key(key))) if key == "output" => "write into another folder, e.g. `out/{pose}.obj`",
+            (None, _) => "choose another folder or name",
         };
+        let wrong = |message: String, hint: &str| Some(self.document.mistake(at, At::Value, message).hint(hint));
+        // Where results go is the option's doing, whatever the file says.
+        let blocked = |message: String| {
+            let place = match out {
+                Some(out) => Place::Option(format!("--out {}", out.display())),
+                None => self.document.place(at, At::Value),
+            };
+            Some(Mistake::new(Status::CannotWrite, message).at(place).hint(hint))
+        };
+        let folder = file.ancestors().skip(1).find(|a| a.as_os_str().is_empty() || a.exists()).unwrap_or(Path::new(""));
+        let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
         let mistake = if let Some(role) = places.read.get(&identity) {
-            let message = format!("{} would overwrite an input ({role})", file.display());
-            Some(self.document.mistake(at, At::Value, message).hint("write into another folder, e.g. `out/{pose}.obj`"))
+            wrong(format!("{shown} would overwrite an input ({role})"), hint)
         } else if file.is_dir() {
-            Some(blocked(format!("cannot write {}: there is a folder of that name", file.display())))
-        } else if let Some(ancestor) = file.ancestors().skip(1).find(|a| a.exists()).filter(|a| !a.is_dir()) {
-            Some(blocked(format!("cannot write {}: {} is not a folder", file.display(), ancestor.display())))
+            blocked(format!("cannot write {shown}: there is a folder of that name"))
+        } else if !folder.is_dir() {
+            blocked(format!("cannot write {shown}: {} is not a folder", folder.display()))
         } else if !places.written.insert(identity) {
-            let hint = "give each output its own name; poses are told apart by `{pose}`";
-            Some(self.document.mistake(at, At::Value, format!("{} would be written twice", file.display())).hint(hint))
+            let hint = match out {
+                Some(_) => "`--out` puts all results into one folder; give each output its own name",
+                None => "give each output its own name; poses are told apart by `{pose}`",
+            };
+            wrong(format!("{shown} would be written twice"), hint)
+        } else if let Some(problem) = places.refuses(folder) {
+            blocked(format!("cannot write {shown}: {problem}"))
         } else {
             None
         };
@@ -142,11 +166,31 @@ impl Check<'_> {
 }
 
 /// Files by what the system takes them for.
-struct Places {
+#[derive(Default)]
+struct Places<'a> {
     /// Inputs, and what they are.
     read: HashMap<PathBuf, &'static str>,
     /// Outputs so far.
     written: HashSet<PathBuf>,
+    /// Folders, and why no files can be made in them.
+    folders: HashMap<PathBuf, Option<String>>,
+    /// The folder of `--out`.
+    out: Option<&'a Path>,
+}
+
+impl Places<'_> {
+    /// Why no new file can be made in `folder`, if so: found by making one without a name, which leaves no trace.
+    fn refuses(&mut self, folder: &Path) -> Option<String> {
+        let found = self.folders.entry(folder.into()).or_insert_with(|| {
+            let error = tempfile::tempfile_in(folder).err()?;
+            Some(match error.kind() {
+                ErrorKind::PermissionDenied => format!("no permission to make files in {}", folder.display()),
+                ErrorKind::ReadOnlyFilesystem => format!("the disk of {} is read-only", folder.display()),
+                _ => format!("no files can be made in {}", folder.display()),
+            })
+        });
+        found.clone()
+    }
 }
 
 impl Output {

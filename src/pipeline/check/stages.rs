@@ -1,4 +1,4 @@
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use super::{Check, Side, Truth};
 use crate::{
@@ -7,7 +7,7 @@ use crate::{
         stage::{Marker, Metric, Pair},
     },
     mistake::Mistake,
-    pipeline::{At, Pipeline, document::path, resolve},
+    pipeline::{At, Pipeline, Step, document::path, resolve},
     status::Status,
 };
 
@@ -77,8 +77,15 @@ impl Check<'_> {
 
     fn stage_files(&mut self, stage: &'static str, files: Vec<&mut PathBuf>) {
         for file in files {
+            let settings = self.document.value.get(stage).and_then(|settings| settings.as_object());
+            let said = settings.into_iter().flatten().find(|(_, value)| value.as_str().map(Path::new) == Some(file));
+            let at: Vec<_> = path([stage]).into_iter().chain(said.map(|(key, _)| Step::Key(key.clone()))).collect();
+            let before = self.mistakes.len();
+            self.empty_texts(&at);
             *file = resolve::from_base(&self.base, file);
-            self.input(stage, file, &path([stage]));
+            if self.mistakes.len() == before {
+                self.input(stage, file, &at);
+            }
         }
     }
 }
