@@ -32,6 +32,7 @@ mod bundled {
     use mimesh_correspondences as _;
     use mimesh_formats as _;
     use mimesh_metrics as _;
+    use mimesh_proximity as _;
     use mimesh_samples as _;
     use mimesh_transfers as _;
 }

@@ -96,7 +96,7 @@ fn run(case: &Case, transfer: &str) -> Score {
             target: SurfacePoint::Vertex(target.vertex_of[t as usize]),
         })
         .collect();
-    let pair = Pair { source: &case.source, target: &target, markers: &markers };
+    let pair = Pair { source: &case.source, target: &target, markers: &markers, proximity: None };
     let fit: Box<dyn Correspondence> = serde_json::from_str(r#"{ "type": "nonrigid_fit" }"#).unwrap();
     let transfer: Box<dyn Transfer> = serde_json::from_str(transfer).unwrap();
     let map = fit.correspond(pair).unwrap();

@@ -66,7 +66,7 @@ impl Run<'_> {
             return Err(Mistake::new(Status::Internal, "a pipeline without stages was taken for checked").into());
         };
         let (source, target) = (&prepared.source, &prepared.target);
-        let pair = Pair { source: &source.surface, target: &target.surface, markers: &prepared.markers };
+        let pair = Pair { source: &source.surface, target: &target.surface, markers: &prepared.markers, proximity: None };
 
         let map = self.stage("correspondence", correspondence.typetag_name(), || {
             let map = correspondence.correspond(pair)?;

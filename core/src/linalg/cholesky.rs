@@ -6,7 +6,8 @@ use faer::{
     sparse::{
         SparseColMatRef, SymbolicSparseColMatRef,
         linalg::cholesky::{
-            CholeskySymbolicParams, LltRef, SymbolicCholesky, SymmetricOrdering, factorize_symbolic_cholesky,
+            CholeskySymbolicParams, LltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
+            factorize_symbolic_cholesky, supernodal::SupernodalLltRef,
         },
     },
 };
@@ -135,11 +136,45 @@ impl Cholesky {
                 Default::default(),
             )
             .map(|_| ())
-            .map_err(|_| Error::Singular {
-                what: self.what,
-                hint: "look for parts of the mesh without area or without any tie to the rest: `mimesh inspect MESH`"
-                    .into(),
-            })
+            .map_err(|_| self.singular())?;
+        // A semi-definite matrix may leave a pivot of rounding instead of none.
+        let smallest = 16.0 * f64::EPSILON * (self.size() as f64).sqrt();
+        let (starts, _, values) = self.matrix.csc_data();
+        // The diagonal comes first in each column of a sorted lower triangle.
+        if self.pivots().into_iter().all(|(j, pivot)| pivot > smallest * values[starts[j]]) {
+            Ok(())
+        } else {
+            Err(self.singular())
+        }
+    }
+
+    fn singular(&self) -> Error {
+        Error::Singular {
+            what: self.what,
+            hint: "look for parts of the mesh without area or without any tie to the rest: `mimesh inspect MESH`".into(),
+        }
+    }
+
+    /// For each column of the factor the row of the matrix it eliminates and its pivot, the square of the diagonal of L.
+    fn pivots(&self) -> Vec<(usize, f64)> {
+        let row = |k: usize| self.symbolic.perm().map_or(k, |perm| perm.arrays().0[k]);
+        match self.symbolic.raw() {
+            SymbolicCholeskyRaw::Simplicial(symbolic) => {
+                let starts = &symbolic.col_ptr()[..symbolic.ncols()];
+                starts.iter().enumerate().map(|(k, &start)| (row(k), self.factor[start].powi(2))).collect()
+            }
+            SymbolicCholeskyRaw::Supernodal(symbolic) => {
+                let factor = SupernodalLltRef::new(symbolic, &self.factor);
+                let mut pivots = Vec::with_capacity(self.size());
+                for s in 0..symbolic.n_supernodes() {
+                    let supernode = factor.supernode(s);
+                    let values = supernode.val();
+                    let columns = symbolic.supernode_end()[s] - symbolic.supernode_begin()[s];
+                    pivots.extend((0..columns).map(|k| (row(supernode.start() + k), values[(k, k)].powi(2))));
+                }
+                pivots
+            }
+        }
     }
 
     /// r −= A x.

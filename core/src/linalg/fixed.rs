@@ -14,6 +14,8 @@ pub struct FixedUnknowns {
     free: Vec<u32>,
     /// A_fc, #free × #fixed.
     coupling: CscMatrix<f64>,
+    /// What was added to the diagonal of each free unknown.
+    added: Vec<f64>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -25,13 +27,20 @@ enum Place {
 impl FixedUnknowns {
     /// Factors A, given by its lower triangle, without the unknowns `fixed`; `what` names the system in errors.
     ///
+    /// # Panics
+    ///
+    /// If an unknown is fixed twice or does not exist.
+    ///
     /// # Errors
     ///
     /// [`Error::Singular`](crate::Error::Singular) if what remains is not positive definite.
     pub fn new(lower: &CscMatrix<f64>, fixed: &[u32], what: &'static str) -> Result<Self> {
         let n = lower.ncols();
         let mut place = vec![Place::Free(0); n];
-        fixed.iter().enumerate().for_each(|(k, &i)| place[i as usize] = Place::Fixed(k));
+        for (k, &i) in fixed.iter().enumerate() {
+            assert!(matches!(place[i as usize], Place::Free(_)), "unknown {i} is fixed twice");
+            place[i as usize] = Place::Fixed(k);
+        }
         let mut free = Vec::with_capacity(n - fixed.len());
         for (i, place) in place.iter_mut().enumerate() {
             if let Place::Free(number) = place {
@@ -49,37 +58,28 @@ impl FixedUnknowns {
             }
         }
         let cholesky = Cholesky::new(CscMatrix::from(&inner), what)?;
-        Ok(Self { cholesky, place, free, coupling: CscMatrix::from(&coupling) })
+        let added = vec![0.0; free.len()];
+        Ok(Self { cholesky, place, free, coupling: CscMatrix::from(&coupling), added })
     }
 
     /// Adds `amount(i)` to the diagonal entry of each free unknown i in place of what the last call added, and factors again.
     ///
-    /// `added` is what the last call added, a value a free unknown; pass zeros (#free) at first.
+    /// The diagonal must be stored in full, as [`Assembly`](super::Assembly) does.
     ///
     /// # Errors
     ///
     /// [`Error::Singular`](crate::Error::Singular) if the matrix is not positive definite any more.
-    pub fn set_diagonal(&mut self, added: &mut [f64], amount: impl Fn(usize) -> f64) -> Result<()> {
-        let free = &self.free;
+    pub fn set_diagonal(&mut self, amount: impl Fn(usize) -> f64) -> Result<()> {
+        let (free, added) = (&self.free, &mut self.added);
         let starts = self.cholesky.column_starts().to_vec();
         self.cholesky.refactor(|values| {
             // The diagonal is the first entry of each column of a sorted lower triangle.
-            for ((&i, &start), added) in free.iter().zip(&starts).zip(added) {
+            for ((&i, &start), added) in free.iter().zip(&starts).zip(added.iter_mut()) {
                 let amount = amount(i as usize);
                 values[start] += amount - *added;
                 *added = amount;
             }
         })
-    }
-
-    /// Number of unknowns that are not fixed.
-    pub fn free_count(&self) -> usize {
-        self.free.len()
-    }
-
-    /// Number of stored entries of the factor.
-    pub fn factor_len(&self) -> usize {
-        self.cholesky.factor_len()
     }
 
     /// The x that minimises, for `columns` right-hand sides b (column-major, n × columns).
@@ -141,13 +141,21 @@ mod tests {
         let b = vec![1.0; n];
         let mut once = FixedUnknowns::new(&chain(n), &[0], "chain").unwrap();
         let mut twice = once.clone();
-        once.set_diagonal(&mut [0.0; 5], |i| i as f64).unwrap();
-        let mut added = [0.0; 5];
-        twice.set_diagonal(&mut added, |_| 100.0).unwrap();
-        twice.set_diagonal(&mut added, |i| i as f64).unwrap();
+        once.set_diagonal(|i| i as f64).unwrap();
+        twice.set_diagonal(|_| 100.0).unwrap();
+        twice.set_diagonal(|i| i as f64).unwrap();
         let (a, b) = (once.solve(&b, &[0.0], 1), twice.solve(&b, &[0.0], 1));
         // 100 is added and taken away: its rounding remains.
         assert!(a.iter().zip(&b).all(|(x, y)| (x - y).abs() < 1e-12));
+    }
+
+    #[test]
+    fn a_chain_without_any_fixed_end_is_an_error_at_every_size() {
+        for n in 2..200 {
+            // Only rounding stands between its last pivot and 0.
+            assert!(FixedUnknowns::new(&chain(n), &[], "chain").is_err(), "{n}");
+            assert!(FixedUnknowns::new(&chain(n), &[0], "chain").is_ok(), "{n}");
+        }
     }
 
     #[test]

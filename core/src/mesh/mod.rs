@@ -65,6 +65,12 @@ impl Mesh {
             ));
         }
         check_finite(&self.positions)?;
+        if let Some(part) = self.parts.iter().find(|part| part.polygons.end > self.polygons.len()) {
+            return Err(Error::data(
+                format!("a part has polygons up to {}, but there are {}", part.polygons.end, self.polygons.len()),
+                "this is a mistake in the program that made the mesh",
+            ));
+        }
         for (polygon, corners) in self.polygons.iter().enumerate() {
             if let Some(&corner) = corners.iter().find(|&&c| c as usize >= self.positions.len()) {
                 return Err(Error::data(

@@ -4,7 +4,7 @@ use nalgebra::Point3;
 use serde::Serialize;
 
 use super::{Mesh, Surface, bounding_box};
-use crate::Result;
+use crate::{Result, operators::is_degenerate};
 
 /// What is in a mesh and what a solver may stumble over.
 #[derive(Clone, Debug, Serialize)]
@@ -25,7 +25,7 @@ pub struct Statistics {
     pub boundary_edges: usize,
     /// Edges of more than two triangles, after welding.
     pub non_manifold_edges: usize,
-    /// Triangles without area: a repeated corner, or a height below 1e-12 of the diagonal.
+    /// Triangles without area, which operators skip ([`is_degenerate`]).
     pub degenerate_triangles: usize,
     /// Polygons whose set of corners an earlier polygon has.
     pub duplicate_polygons: usize,
@@ -59,7 +59,9 @@ impl Statistics {
         let mut seen = HashSet::new();
         let mut duplicate_polygons = 0;
         for corners in mesh.polygons.iter() {
-            corner_counts[corners.len().clamp(3, 5) - 3] += 1;
+            if corners.len() >= 3 {
+                corner_counts[corners.len().min(5) - 3] += 1;
+            }
             corners.iter().for_each(|&v| referenced[v as usize] = true);
             let mut sorted = corners.to_vec();
             sorted.sort_unstable();
@@ -67,11 +69,8 @@ impl Statistics {
         }
         let places: HashSet<_> = mesh.positions.iter().map(|p| [p.x, p.y, p.z].map(|x| (x + 0.0).to_bits())).collect();
         let area_normals = surface.area_normals(&surface.positions);
-        let degenerate = surface.triangles.iter().zip(&area_normals).filter(|(t, n)| {
-            let [a, b, c] = t.map(|v| surface.positions[v as usize]);
-            let longest = (b - a).norm().max((c - b).norm()).max((a - c).norm());
-            n.norm() <= 1e-12 * diagonal * longest
-        });
+        let corners = (0..surface.triangle_count()).map(|t| surface.corners(&surface.positions, t));
+        let degenerate = corners.filter(is_degenerate);
         let centre = nalgebra::center(&low, &high);
         let volume = surface.triangles.iter().zip(&area_normals).map(|(t, n)| {
             let corner: Point3<f64> = surface.positions[t[0] as usize];

@@ -15,7 +15,11 @@ pub fn seams(positions: &[Point3<f64>], triangles: &[[u32; 3]]) -> Vec<u32> {
     let place = places(positions);
     let mut edges: HashMap<[u32; 2], Vec<[u32; 2]>> = HashMap::new();
     for edge in Topology::new(triangles).boundary {
-        edges.entry(edge.map(|v| place[v as usize])).or_default().push(edge);
+        let ends = edge.map(|v| place[v as usize]);
+        // An edge without length would be its own opposite.
+        if ends[0] != ends[1] {
+            edges.entry(ends).or_default().push(edge);
+        }
     }
     for (&[from, to], along) in &edges {
         let Some(against) = edges.get(&[to, from]) else { continue };

@@ -10,6 +10,7 @@ mod laplacian;
 mod mass;
 mod normals;
 mod polar;
+mod tetrahedron;
 
 pub use deformation_gradient::DeformationGradients;
 pub use gradient::{Gradient, gradients};
@@ -17,14 +18,19 @@ pub use laplacian::cotangent_laplacian;
 pub use mass::voronoi_mass;
 pub use normals::vertex_normals;
 pub use polar::{Polar, polar};
+pub use tetrahedron::Tetrahedron;
 
 use nalgebra::Point3;
 
-/// Whether a triangle is too thin to have a usable normal: twice its area is below 1e-10 of its longest edge squared.
-pub fn is_degenerate(&[a, b, c]: &[Point3<f64>; 3]) -> bool {
+/// Height of a triangle over its longest edge, relative to that edge: 0.87 if equilateral, 0 without area, NaN if a corner is.
+pub fn relative_height(&[a, b, c]: &[Point3<f64>; 3]) -> f64 {
     let longest = (b - a).norm_squared().max((c - b).norm_squared()).max((a - c).norm_squared());
-    // Asked this way round, NaN counts as degenerate.
-    let has_area = (b - a).cross(&(c - a)).norm() > 1e-10 * longest;
+    if longest == 0.0 { 0.0 } else { (b - a).cross(&(c - a)).norm() / longest }
+}
+
+/// Whether a triangle is too thin for cotangents that keep half their digits: its [`relative_height`] is below 1e-8 or NaN.
+pub fn is_degenerate(corners: &[Point3<f64>; 3]) -> bool {
+    let has_area = relative_height(corners) > 1e-8;
     !has_area
 }
 

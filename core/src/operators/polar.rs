@@ -1,4 +1,4 @@
-use nalgebra::Matrix3;
+use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 
 /// F = R S with R a rotation (det R = 1) and S symmetric.
 #[derive(Clone, Copy, Debug)]
@@ -12,7 +12,7 @@ pub struct Polar {
 /// The polar decomposition of a finite F.
 ///
 /// Scaled Newton iteration (Higham 1986), which doubles its digits a step; where F is singular, turned inside out or badly
-/// scaled, by singular values instead, with the sign of the smallest one flipped where that makes R a rotation.
+/// scaled, by singular values instead, with the axis of the smallest one flipped where that makes R a rotation.
 pub fn polar(f: &Matrix3<f64>) -> Polar {
     let rotation = newton(f).unwrap_or_else(|| nearest_rotation(f));
     let stretch = rotation.transpose() * f;
@@ -48,13 +48,57 @@ fn cofactors(f: &Matrix3<f64>) -> Matrix3<f64> {
     Matrix3::from_columns(&[b.cross(&c), c.cross(&a), a.cross(&b)])
 }
 
+/// By one-sided Jacobi rotations, which turn the columns of F until they are orthogonal: F V = U Σ. Small singular values keep
+/// their digits, where forming FᵀF would lose them.
 fn nearest_rotation(f: &Matrix3<f64>) -> Matrix3<f64> {
-    let svd = f.svd(true, true);
-    let (Some(mut u), Some(v_t)) = (svd.u, svd.v_t) else { return Matrix3::identity() };
-    if (u * v_t).determinant() < 0.0 {
-        // nalgebra sorts singular values from large to small.
-        let flipped = -u.column(2);
-        u.set_column(2, &flipped);
+    let (mut b, mut v) = (*f, Matrix3::identity());
+    for _ in 0..30 {
+        let mut turned = false;
+        for (p, q) in [(0, 1), (0, 2), (1, 2)] {
+            turned |= orthogonalise(&mut b, &mut v, p, q);
+        }
+        if !turned {
+            break;
+        }
     }
-    u * v_t
+    let mut order = [0, 1, 2];
+    order.sort_by(|&i, &j| b.column(j).norm_squared().total_cmp(&b.column(i).norm_squared()));
+    let [v1, v2, _] = order.map(|k| v.column(k).into_owned());
+    // U is completed to a rotation from its two largest columns, and V alike: that flips the axis of the smallest stretch of a
+    // reflection, and fills in where it is 0.
+    let Some(u1) = b.column(order[0]).try_normalize(0.0) else { return Matrix3::identity() };
+    let rest = b.column(order[1]) - u1 * u1.dot(&b.column(order[1]));
+    let u2 = if rest.norm() > 1e-15 * b.column(order[0]).norm() {
+        rest.normalize()
+    } else {
+        // Rank 1 leaves the turn about u1 open.
+        shortest_turn(&v1, &u1) * v2
+    };
+    Matrix3::from_columns(&[u1, u2, u1.cross(&u2)]) * Matrix3::from_columns(&[v1, v2, v1.cross(&v2)]).transpose()
+}
+
+/// Turns columns p and q of b so that they are orthogonal, and those of v alike; whether there was anything to do.
+fn orthogonalise(b: &mut Matrix3<f64>, v: &mut Matrix3<f64>, p: usize, q: usize) -> bool {
+    let (p2, q2, pq) = (b.column(p).norm_squared(), b.column(q).norm_squared(), b.column(p).dot(&b.column(q)));
+    if pq.abs() <= f64::EPSILON * (p2 * q2).sqrt() {
+        return false;
+    }
+    let zeta = (q2 - p2) / (2.0 * pq);
+    let t = zeta.signum() / (zeta.abs() + (1.0 + zeta * zeta).sqrt());
+    let cos = 1.0 / (1.0 + t * t).sqrt();
+    for m in [b, v] {
+        let (x, y) = (m.column(p).into_owned(), m.column(q).into_owned());
+        m.set_column(p, &((x - y * t) * cos));
+        m.set_column(q, &((x * t + y) * cos));
+    }
+    true
+}
+
+/// The rotation by the smallest angle that takes unit vector `from` to unit vector `to`.
+fn shortest_turn(from: &Vector3<f64>, to: &Vector3<f64>) -> Matrix3<f64> {
+    if let Some(turn) = Rotation3::rotation_between(from, to) {
+        return *turn.matrix();
+    }
+    let side = if from.x.abs() < 0.7 { Vector3::x() } else { Vector3::y() };
+    *Rotation3::from_axis_angle(&Unit::new_normalize(from.cross(&side)), std::f64::consts::PI).matrix()
 }

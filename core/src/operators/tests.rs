@@ -126,6 +126,20 @@ fn polar_of_a_reflection_is_the_nearest_rotation_and_not_the_negated_matrix() {
 }
 
 #[test]
+fn polar_keeps_its_digits_where_singular_values_are_small() {
+    let (left, right) = (Random::new(1).rotation(), Random::new(2).rotation());
+    let (u, v) = (left.to_rotation_matrix(), right.to_rotation_matrix());
+    for s in [1e-3, 1e-5, 1e-7, 1e-9] {
+        for sign in [1.0, -1.0] {
+            let f = u.matrix() * Matrix3::from_diagonal(&Vector3::new(1.0, s, sign * s / 2.0)) * v.matrix().transpose();
+            // The direction of a singular value s is known to ε / s.
+            let error = (polar(&f).rotation - u.matrix() * v.matrix().transpose()).norm();
+            assert!(error < 1e-14 / s, "{s}: {error}");
+        }
+    }
+}
+
+#[test]
 fn linear_functions_on_a_plane_have_no_laplacian_inside() {
     let s = meshes::grid(6, 5);
     let l = full(&cotangent_laplacian(&s.positions, &s.triangles));

@@ -37,10 +37,11 @@ impl Similarity {
         translation: Vector3::new(0., 0., 0.),
     };
 
-    /// The similarity that takes points `from` to points `to` with least squares, each pair counting by its weight
-    /// (Umeyama 1991), turned as `orientation` allows.
+    /// The similarity that takes points `from` to points `to`, each pair counting by its weight, turned as `orientation` allows.
     ///
-    /// The rotation is the identity where the points do not span a plane, and the scale 1 where they coincide.
+    /// The rotation is that of least squares and the scale the ratio of spreads (Horn 1987), which treats both sides alike:
+    /// swapping them gives the inverse. Points of one side that lie on a line, to 1e-3 of its length, leave the rotation the
+    /// identity; points that coincide leave the scale 1.
     pub fn fit(from: &[Point3<f64>], to: &[Point3<f64>], weights: &[f64], orientation: Orientation) -> Self {
         let total: f64 = weights.iter().sum();
         if total <= 0.0 {
@@ -58,14 +59,17 @@ impl Similarity {
             from_spread += w * p.norm_squared();
             to_spread += w * q.norm_squared();
         }
+        // Points that coincide have a spread of rounding.
+        let coincide = |spread: f64, mean: &Vector3<f64>| spread <= total * (1e-12 * mean.norm()).powi(2);
+        if coincide(from_spread, &from_mean) || coincide(to_spread, &to_mean) {
+            return Self { translation: to_mean - from_mean, ..Self::IDENTITY };
+        }
         let rotation = match orientation {
             Orientation::Same => Matrix3::identity(),
             Orientation::Fitted => best_rotation(&covariance),
             Orientation::Auto => rounded(best_rotation(&covariance)),
         };
-        // The ratio of spreads treats both sides alike: swapping them gives the inverse scale.
         let scale = (to_spread / from_spread).sqrt();
-        let scale = if scale.is_finite() && scale > 0.0 { scale } else { 1.0 };
         Self { scale, rotation, translation: to_mean - rotation * from_mean * scale }
     }
 
@@ -90,7 +94,8 @@ impl Similarity {
 /// The rotation R that maximises tr(Rᵀ C); the identity if C has rank 1 or less, which leaves it open.
 fn best_rotation(covariance: &Matrix3<f64>) -> Matrix3<f64> {
     let values = covariance.singular_values();
-    if values[1] <= 1e-9 * values[0] || values[0] == 0.0 {
+    // The covariance squares the width of a cloud.
+    if values[1] <= 1e-6 * values[0] || values[0] == 0.0 {
         return Matrix3::identity();
     }
     polar(covariance).rotation

@@ -4,18 +4,22 @@
 //! `correspond`, and the result is `Send + Sync` and serves every pose. The contract of a stage stands in its trait's doc
 //! comment; `testkit::contracts` (feature `testkit`) holds implementations to it.
 
+mod component_ref;
 mod correspondence;
 mod format;
 mod metric;
 mod pair;
+mod proximity;
 mod sample;
 mod transfer;
 mod triangle_map;
 
+pub use component_ref::ComponentRef;
 pub use correspondence::Correspondence;
 pub use format::{Format, MeshWriter, PoseWriter, SequenceFormat, SequenceWriter, WriteError, check_pose};
 pub use metric::{Metric, MetricInput};
 pub use pair::{Marker, Pair};
+pub use proximity::{Link, Proximity, ProximityGraph};
 pub use sample::Sample;
 pub use transfer::{BoundTransfer, Transfer, Transferred};
 pub use triangle_map::TriangleMap;

@@ -1,3 +1,4 @@
+use super::ProximityGraph;
 use crate::{
     Error, Result,
     mesh::{Surface, SurfacePoint},
@@ -12,6 +13,8 @@ pub struct Pair<'a> {
     pub target: &'a Surface,
     /// Pairs of corresponding points; empty if none were given.
     pub markers: &'a [Marker],
+    /// How the components of the target lie to each other; `None` if nothing is known of it.
+    pub proximity: Option<&'a ProximityGraph>,
 }
 
 /// A point of the source and the corresponding point of the target.
@@ -56,6 +59,12 @@ fn check_on_surface(name: &str, side: &str, point: SurfacePoint, surface: &Surfa
         SurfacePoint::Triangle(triangle, _) => ("triangle", triangle, surface.triangle_count()),
     };
     if (index as usize) < count {
+        if what == "vertex" && !surface.triangles.iter().flatten().any(|&v| v == index) {
+            return Err(Error::data(
+                format!("marker {name}: vertex {index} of the {side} belongs to no polygon"),
+                "move the marker to a vertex of the surface",
+            ));
+        }
         return Ok(());
     }
     Err(Error::data(

@@ -49,7 +49,7 @@ pub fn correspondence(name: &str, stage: &dyn Correspondence) {
         .step_by(10)
         .map(|v| Marker { name: v.to_string(), source: SurfacePoint::Vertex(v), target: SurfacePoint::Vertex(v) })
         .collect();
-    let pair = Pair { source: &surface, target: &surface, markers: &markers };
+    let pair = Pair { source: &surface, target: &surface, markers: &markers, proximity: None };
     let run = || stage.correspond(pair).unwrap_or_else(|error| panic!("{name}: {error}"));
     let map = run();
     map.check(pair).unwrap_or_else(|error| panic!("{name}: {error}"));
@@ -67,44 +67,52 @@ pub fn correspondence(name: &str, stage: &dyn Correspondence) {
     }
 }
 
-/// The contract of [`Transfer`].
+/// The contract of [`Transfer`], on a sound surface and on one with defects, along triangles and along points.
 pub fn transfer(name: &str, stage: &dyn Transfer) {
-    let (source, target) = (bent_bar(), stretched(&bent_bar()));
+    for source in [bent_bar(), with_defects(bent_bar())] {
+        for by_points in [false, true] {
+            transfer_between(name, stage, &source, &stretched(&source), by_points);
+        }
+    }
+}
+
+fn transfer_between(name: &str, stage: &dyn Transfer, source: &Surface, target: &Surface, by_points: bool) {
+    let points = (0..source.vertex_count() as u32).map(|v| Some(SurfacePoint::Vertex(v)));
+    let map = TriangleMap {
+        source_triangles: source.triangle_count(),
+        partners: (0..source.triangle_count() as u32).map(Some).collect(),
+        points: if by_points { points.collect() } else { vec![] },
+        ..TriangleMap::default()
+    };
+    let markers: Vec<_> = (0..4)
+        .map(|k| k * 7)
+        .map(|v| Marker { name: v.to_string(), source: SurfacePoint::Vertex(v), target: SurfacePoint::Vertex(v) })
+        .collect();
     let bind = |target: &Surface| {
-        let map = TriangleMap {
-            source_triangles: source.triangle_count(),
-            partners: (0..source.triangle_count() as u32).map(Some).collect(),
-            ..TriangleMap::default()
-        };
-        let markers: Vec<_> = (0..4)
-            .map(|k| k * 7)
-            .map(|v| Marker { name: v.to_string(), source: SurfacePoint::Vertex(v), target: SurfacePoint::Vertex(v) })
-            .collect();
-        stage
-            .bind(Pair { source: &source, target, markers: &markers }, &map)
-            .unwrap_or_else(|error| panic!("{name}: {error}"))
+        let pair = Pair { source, target, markers: &markers, proximity: None };
+        stage.bind(pair, &map).unwrap_or_else(|error| panic!("{name}: {error}"))
     };
     let run = |bound: &dyn BoundTransfer, posed: &[Point3<f64>]| {
         bound.transfer(posed).unwrap_or_else(|error| panic!("{name}: {error}")).positions
     };
 
-    let bound = bind(&target);
+    let bound = bind(target);
     near(name, "the source at rest gives the target at rest", &run(&*bound, &source.positions), &target.positions);
 
-    let onto_itself = bind(&source);
+    let onto_itself = bind(source);
     for seed in 0..5 {
         let motion = Random::new(seed).rigid_motion(source.diagonal());
         let moved: Vec<_> = source.positions.iter().map(|p| motion * p).collect();
         near(name, "a rigid motion of the source moves the target by it", &run(&*onto_itself, &moved), &moved);
     }
 
-    let (pose, other) = (twisted(&source, 1.0), twisted(&source, -0.5));
+    let (pose, other) = (twisted(source, 1.0), twisted(source, -0.5));
     let first = run(&*bound, &pose);
     assert_eq!(first.len(), target.vertex_count(), "{name}: one position a target vertex");
     assert!(first.iter().all(|p| p.coords.iter().all(|x| x.is_finite())), "{name}: results are finite");
     run(&*bound, &other);
     assert!(first == run(&*bound, &pose), "{name}: another result after another pose");
-    assert!(first == one_thread(|| run(&*bind(&target), &pose)), "{name}: another result on one thread");
+    assert!(first == one_thread(|| run(&*bind(target), &pose)), "{name}: another result on one thread");
 
     assert!(bound.transfer(&pose[1..]).is_err(), "{name}: takes a pose with a vertex too few");
     let mut broken = pose;
@@ -146,6 +154,18 @@ fn bent_bar() -> Surface {
         *p = Point3::new(p.x, p.y + 0.1 * p.x * p.x, p.z * (1.0 + 0.2 * p.x));
     }
     surface
+}
+
+/// With a triangle that has a corner twice, as poles of exported spheres have, one without area, and a loose vertex.
+fn with_defects(surface: Surface) -> Surface {
+    let (mut positions, mut triangles) = (surface.positions, surface.triangles);
+    let [a, b, _] = triangles[7];
+    triangles.push([a, a, b]);
+    let middle = nalgebra::center(&positions[a as usize], &positions[b as usize]);
+    positions.push(middle);
+    triangles.push([a, b, positions.len() as u32 - 1]);
+    positions.push(Point3::new(0.3, 2.0, 0.1));
+    Surface::from_triangles(positions, triangles).expect("finite positions and existing corners")
 }
 
 /// The same topology with other proportions, of the same mean size.

@@ -3,11 +3,14 @@
 use mimesh_core::{
     Result,
     mesh::SurfacePoint,
-    operators::is_degenerate,
+    operators::relative_height,
     spatial::{ClosestPoint, OnSurface},
 };
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
+
+/// Source triangles with a smaller relative height are not partners.
+const NEEDLE: f64 = 1e-4;
 
 /// Searches the triangles of the source whose normals are less than 90 degrees from a given one.
 ///
@@ -15,7 +18,7 @@ use rayon::prelude::*;
 /// found; Sumner and Popović 2004 ask for compatible normals too.
 pub struct Facing {
     search: ClosestPoint,
-    /// Normals of any length; `None` for triangles without area, which have no motion to give.
+    /// Normals of any length; `None` for needles, whose deformation would be noise.
     normals: Vec<Option<Vector3<f64>>>,
 }
 
@@ -25,7 +28,7 @@ impl Facing {
             .iter()
             .map(|t| {
                 let corners = t.map(|v| positions[v as usize]);
-                (!is_degenerate(&corners)).then(|| normal(&corners))
+                (relative_height(&corners) > NEEDLE).then(|| normal(&corners))
             })
             .collect();
         Ok(Self { search: ClosestPoint::new(positions, triangles)?, normals })

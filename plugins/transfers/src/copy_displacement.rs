@@ -1,18 +1,18 @@
 //! Copies displacements, as a baseline.
 
 use mimesh_core::{
-    Error, Result,
-    mesh::{SurfacePoint, check_finite},
+    Error, Figures, Result,
+    mesh::{Surface, SurfacePoint, check_finite},
+    operators::DeformationGradients,
     register,
-    spatial::{Nearest, Orientation},
+    spatial::{Nearest, Orientation, Similarity},
     stage::{BoundTransfer, Pair, Transfer, Transferred, TriangleMap},
 };
-use mimesh_core::{Figures, mesh::Surface, spatial::Similarity};
 use nalgebra::Point3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::{alignment::Alignment, gradient::figures};
+use crate::{alignment::Alignment, gradient::figures, loose::Loose};
 
 register!(Transfer: CopyDisplacement);
 
@@ -37,6 +37,8 @@ impl Transfer for CopyDisplacement {
             source: pair.source.clone(),
             rest: pair.target.positions.clone(),
             points,
+            gradients: DeformationGradients::new(&pair.target.positions, &pair.target.triangles),
+            loose: Loose::new(pair.target),
             target_from_source,
         }))
     }
@@ -65,6 +67,8 @@ struct Bound {
     source: Surface,
     rest: Vec<Point3<f64>>,
     points: Vec<SurfacePoint>,
+    gradients: DeformationGradients,
+    loose: Loose,
     target_from_source: Similarity,
 }
 
@@ -78,7 +82,9 @@ impl BoundTransfer for Bound {
                 point.position(&self.source, posed) - point.position(&self.source, &self.source.positions);
             rest + rotation * displacement * scale
         };
-        let positions: Vec<_> = self.rest.iter().zip(&self.points).map(moved).collect();
+        let mut positions: Vec<_> = self.rest.iter().zip(&self.points).map(moved).collect();
+        let moved = positions.clone();
+        self.loose.place(|t| self.gradients.of_triangle(t, &moved), &mut positions);
         check_finite(&positions)?;
         Ok(Transferred { positions, figures: Figures::default() })
     }

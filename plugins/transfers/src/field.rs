@@ -1,17 +1,23 @@
 //! The deformation gradient that each target triangle should take.
 
+use std::collections::HashSet;
+
 use mimesh_core::{
     Result,
     linalg::{Assembly, FixedUnknowns},
     mesh::{Surface, SurfacePoint},
-    operators::DeformationGradients,
+    operators::{DeformationGradients, relative_height},
     stage::{Pair, TriangleMap},
 };
 use nalgebra::{Matrix3, Point3};
+use petgraph::unionfind::UnionFind;
 
 /// A triangle of source points serves if its shape (area over squared edges) is at least this part of the target
 /// triangle's: below, points have been swept together and the quotient of small edges is noise.
 const LEAST_SHAPE: f64 = 0.2;
+
+/// A partner with a smaller relative height gives no gradient: the quotient of its height before and after is noise.
+const NEEDLE: f64 = 1e-4;
 
 /// Gives each target triangle a deformation gradient for each pose of the source.
 ///
@@ -43,8 +49,9 @@ enum Origin {
 }
 
 impl Field {
-    /// Prepares for poses of the source; `use_points` says whether source points are used at all.
-    pub fn new(pair: Pair<'_>, map: &TriangleMap, rotation: Matrix3<f64>, use_points: bool) -> Result<Self> {
+    /// Prepares for poses of the source; `use_points` says whether source points are used at all, and `bridges` are pairs of
+    /// triangles that count as neighbours when orphans continue theirs.
+    pub fn new(pair: Pair<'_>, map: &TriangleMap, rotation: Matrix3<f64>, use_points: bool, bridges: &[[u32; 2]]) -> Result<Self> {
         let (source, target) = (pair.source, pair.target);
         let of_partners = DeformationGradients::new(&source.positions, &source.triangles);
         let known = |v: u32| map.points.get(v as usize).copied().flatten();
@@ -55,8 +62,9 @@ impl Field {
 
         let source_normals = source.area_normals(&source.positions);
         let point_normals = target.area_normals(&at_points);
+        let is_needle = |p: u32| relative_height(&source.corners(&source.positions, p as usize)) < NEEDLE;
         let origin = |t: usize| {
-            let Some(partner) = map.partners[t].filter(|&p| of_partners.is_defined(p as usize)) else {
+            let Some(partner) = map.partners[t].filter(|&p| !is_needle(p)) else {
                 return Origin::Orphan;
             };
             let all_known = target.triangles[t].iter().all(|&v| known(v).is_some());
@@ -66,7 +74,7 @@ impl Field {
             if use_points && all_known && same_way && sound { Origin::Points } else { Origin::Partner(partner) }
         };
         let origins: Vec<_> = (0..target.triangle_count()).map(origin).collect();
-        let extension = Extension::new(target, &origins)?;
+        let extension = Extension::new(target, &origins, bridges)?;
         Ok(Self { source: source.clone(), of_partners, of_points, points, origins, extension, rotation })
     }
 
@@ -75,6 +83,16 @@ impl Field {
         let orphans = self.origins.iter().filter(|o| **o == Origin::Orphan).count();
         let points = self.origins.iter().filter(|o| **o == Origin::Points).count();
         [points, self.origins.len() - points - orphans, orphans]
+    }
+
+    /// Whether target triangle `triangle` is an orphan.
+    pub fn is_orphan(&self, triangle: usize) -> bool {
+        self.origins[triangle] == Origin::Orphan
+    }
+
+    /// The source surface.
+    pub fn source(&self) -> &Surface {
+        &self.source
     }
 
     /// #V of the source.
@@ -116,10 +134,12 @@ struct Extension {
 }
 
 impl Extension {
-    fn new(target: &Surface, origins: &[Origin]) -> Result<Option<Self>> {
+    fn new(target: &Surface, origins: &[Origin], bridges: &[[u32; 2]]) -> Result<Option<Self>> {
         let is_orphan = |t: u32| origins[t as usize] == Origin::Orphan;
         let orphans = (0..origins.len() as u32).filter(|&t| is_orphan(t));
         let mut edges = target.topology().adjacent;
+        edges.extend(bridges);
+        edges.extend(by_vertices(target, &edges));
         edges.retain(|&[a, b]| is_orphan(a) || is_orphan(b));
         let mut triangles: Vec<u32> = edges.iter().flatten().copied().chain(orphans).collect();
         triangles.sort_unstable_by_key(|&t| (is_orphan(t), t));
@@ -131,11 +151,16 @@ impl Extension {
         let mut number = vec![0; origins.len()];
         triangles.iter().enumerate().for_each(|(k, &t)| number[t as usize] = k as u32);
         let mut assembly = Assembly::new(triangles.len());
-        for [a, b] in edges {
+        for &[a, b] in &edges {
             assembly.add_outer(&[number[a as usize], number[b as usize]], &[[1.0], [-1.0]], 1.0);
         }
-        // Orphans that no partner reaches keep the identity, to which all are drawn too weakly to be felt elsewhere.
-        (0..triangles.len()).for_each(|k| assembly.add(k, k, 1e-9));
+        // Orphans that no partner reaches have the identity: one of each such region is drawn to it.
+        let mut regions = UnionFind::<u32>::new(triangles.len());
+        for &[a, b] in &edges {
+            regions.union(number[a as usize], number[b as usize]);
+        }
+        let mut reached: HashSet<u32> = (0..held as u32).map(|k| regions.find_mut(k)).collect();
+        (held..triangles.len()).filter(|&k| reached.insert(regions.find_mut(k as u32))).for_each(|k| assembly.add(k, k, 1.0));
         let fixed: Vec<u32> = (0..held as u32).collect();
         let system = FixedUnknowns::new(&assembly.finish(), &fixed, "the continuation of the deformation to orphans")?;
         Ok(Some(Self { system, triangles, held }))
@@ -143,7 +168,7 @@ impl Extension {
 
     fn fill(&self, field: &mut [Matrix3<f64>]) {
         let n = self.triangles.len();
-        // The nine entries of F − I, because the weak pull goes to 0.
+        // The nine entries of F − I, because what no partner reaches is drawn to 0.
         let mut values = Vec::with_capacity(9 * self.held);
         for (k, identity) in Matrix3::<f64>::identity().iter().enumerate() {
             values.extend(self.triangles[..self.held].iter().map(|&t| field[t as usize][k] - identity));
@@ -153,4 +178,24 @@ impl Extension {
             field[t as usize] = Matrix3::from_fn(|i, j| x[(3 * j + i) * n + place]) + Matrix3::identity();
         }
     }
+}
+
+/// For each triangle without a neighbour over an edge, as one with a repeated corner, the triangle with which it shares most
+/// vertices.
+fn by_vertices(target: &Surface, edges: &[[u32; 2]]) -> Vec<[u32; 2]> {
+    let mut alone = vec![true; target.triangle_count()];
+    edges.iter().flatten().for_each(|&t| alone[t as usize] = false);
+    if !alone.contains(&true) {
+        return vec![];
+    }
+    let mut around = vec![Vec::new(); target.vertex_count()];
+    for (t, corners) in target.triangles.iter().enumerate() {
+        corners.iter().for_each(|&v| around[v as usize].push(t as u32));
+    }
+    let closest = |t: usize| {
+        let others = target.triangles[t].iter().flat_map(|&v| &around[v as usize]).filter(|&&u| u as usize != t);
+        let shared = |u: u32| target.triangles[t].iter().filter(|v| target.triangles[u as usize].contains(v)).count();
+        others.copied().max_by_key(|&u| (shared(u), !alone[u as usize], std::cmp::Reverse(u)))
+    };
+    (0..alone.len()).filter(|&t| alone[t]).filter_map(|t| Some([t as u32, closest(t)?])).collect()
 }

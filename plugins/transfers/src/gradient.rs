@@ -27,7 +27,7 @@ use nalgebra::Point3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::{Placement, alignment::Alignment, field::Field, placement::BoundPlacement, poisson::Poisson};
+use crate::{Placement, alignment::Alignment, field::Field, loose::Loose, placement::BoundPlacement, poisson::Poisson};
 
 register!(Transfer: GradientTransfer);
 
@@ -96,13 +96,13 @@ impl Transfer for GradientTransfer {
         map.check(pair)?;
         let alignment = Alignment::new(pair, map, self.orientation);
         let similarity = alignment.target_from_source;
-        let field = Field::new(pair, map, similarity.rotation, self.sampling == Sampling::Points)?;
+        let field = Field::new(pair, map, similarity.rotation, self.sampling == Sampling::Points, &[])?;
         let poisson = Poisson::new(pair.target, |area| match self.weighting {
             Weighting::Area => area,
             Weighting::Uniform => 1.0,
         })?;
         let placement = self.placement.bind(pair, map, alignment)?;
-        Ok(Box::new(Bound { settings: self.clone(), field, poisson, placement, figures: figures(&similarity) }))
+        Ok(Box::new(Bound { settings: self.clone(), field, poisson, placement, loose: Loose::new(pair.target), figures: figures(&similarity) }))
     }
 
     fn check(&self, pair: Pair<'_>) -> Result<()> {
@@ -149,6 +149,7 @@ struct Bound {
     field: Field,
     poisson: Poisson,
     placement: BoundPlacement,
+    loose: Loose,
     figures: Figures,
 }
 
@@ -159,6 +160,7 @@ impl BoundTransfer for Bound {
         let field = self.field.at(posed);
         let mut solution = self.poisson.solve(&field, self.settings.reweightings, self.settings.tolerance)?;
         self.placement.apply(posed, &mut solution.positions);
+        self.loose.place(|t| field[t], &mut solution.positions);
         check_finite(&solution.positions)?;
         let mut figures = Figures::default();
         figures.set("gradient_residual", solution.residual);
@@ -173,6 +175,9 @@ impl BoundTransfer for Bound {
         figures.set("triangles_by_points", points);
         figures.set("triangles_by_partner", partners);
         figures.set("orphan_triangles", orphans);
+        if self.loose.count() > 0 {
+            figures.set("loose_vertices", self.loose.count());
+        }
         figures
     }
 }

@@ -4,6 +4,8 @@ mod alignment;
 pub mod copy_displacement;
 mod field;
 pub mod gradient;
+mod loose;
+pub mod multi_component;
 mod placement;
 mod poisson;
 

@@ -46,10 +46,11 @@ impl Placement {
             ),
             Self::Anchor(vertices) => {
                 let count = target.vertex_of.len();
-                if vertices.is_empty() || vertices.iter().any(|&v| v as usize >= count) {
+                let used = |v: u32| target.triangles.iter().flatten().any(|&w| w == target.vertex_of[v as usize]);
+                if vertices.is_empty() || vertices.iter().any(|&v| v as usize >= count || !used(v)) {
                     return Err(Error::Setting {
                         setting: "placement.anchor",
-                        expected: format!("vertices from 0 to {}", count - 1),
+                        expected: format!("vertices from 0 to {} that belong to a polygon", count - 1),
                         found: format!("{vertices:?}"),
                     });
                 }

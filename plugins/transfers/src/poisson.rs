@@ -82,7 +82,9 @@ impl Poisson {
             for (a, b) in PAIRS {
                 if let (Some(i), Some(j)) = (unknown[element.corners[a] as usize], unknown[element.corners[b] as usize])
                 {
-                    pattern.add(i as usize, j as usize, if a == b { 2.0 * value } else { -value });
+                    // Two corners at one vertex: the pair stands for both entries off the diagonal.
+                    let share = if a == b { 2.0 * value } else if i == j { -2.0 * value } else { -value };
+                    pattern.add(i as usize, j as usize, share);
                 }
             }
         }
@@ -107,7 +109,7 @@ impl Poisson {
 
     /// The posed vertices for the field `field` (#F): least squares, then at most `steps` reweightings with ε = `epsilon`.
     ///
-    /// The first corner of the first triangle stays where it is at rest, and so do vertices without a triangle.
+    /// The first corner of the first triangle stays where it is at rest; of vertices without a triangle this says nothing.
     ///
     /// # Errors
     ///

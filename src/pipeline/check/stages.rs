@@ -37,7 +37,7 @@ impl Check<'_> {
             }
         }
         let (Some(source), Some(target), Some(markers)) = (source, target, markers) else { return };
-        let pair = Pair { source: &source.surface, target: &target.surface, markers };
+        let pair = Pair { source: &source.surface, target: &target.surface, markers, proximity: None };
         if let Some(correspondence) = &pipeline.correspondence
             && let Err(error) = correspondence.check(pair)
         {

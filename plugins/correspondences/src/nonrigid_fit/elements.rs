@@ -2,31 +2,32 @@ use mimesh_core::{
     Result,
     linalg::{Assembly, FixedUnknowns},
     mesh::{Surface, SurfacePoint},
-    operators::{is_degenerate, voronoi_mass},
+    operators::{Tetrahedron, relative_height, voronoi_mass},
     stage::Pair,
 };
 use nalgebra::{Matrix3, Point3};
 
-use super::{NonrigidFit, UnitFrame};
+use super::{NonrigidFit, UnitFrame, ties::ties};
+
+/// Numbers of a usual mesh, for which the papers' weights are meant.
+const USUAL_TRIANGLES: f64 = 40_000.0;
+const USUAL_VERTICES: f64 = 20_000.0;
 
 /// How strongly a marker inside a target triangle is held, relative to `smoothness`; markers at vertices are exact.
 const MARKER_WEIGHT: f64 = 1e6;
 
-/// How strongly the vertices of triangles without area are tied to each other, so that they follow their neighbours.
+/// Triangles with a smaller relative height get no element: its gradient, squared, would drown all others.
+const NEEDLE: f64 = 1e-5;
+
+/// How strongly the vertices of triangles without an element are tied to each other, so that they follow their neighbours.
 const DEGENERATE_WEIGHT: f64 = 1e-3;
 
 /// The triangles of the target with their fourth vertices, each a tetrahedron with a constant deformation gradient.
 pub struct Elements<'a> {
     surface: &'a Surface,
-    elements: Vec<Option<Element>>,
+    elements: Vec<Option<Tetrahedron>>,
     unknowns: usize,
     mass: Vec<f64>,
-}
-
-/// F = Σ xᵢ gᵢᵀ over four unknowns.
-struct Element {
-    unknowns: [u32; 4],
-    gradient: [[f64; 3]; 4],
 }
 
 impl<'a> Elements<'a> {
@@ -38,11 +39,11 @@ impl<'a> Elements<'a> {
             .iter()
             .map(|&[a, b, c]| {
                 let corners = [a, b, c].map(|v| rest[v as usize]);
-                if is_degenerate(&corners) {
+                if relative_height(&corners) < NEEDLE {
                     return None;
                 }
                 unknowns += 1;
-                Some(Element { unknowns: [a, b, c, unknowns as u32 - 1], gradient: gradient(&corners) })
+                Some(Tetrahedron::over([a, b, c], unknowns as u32 - 1, &corners))
             })
             .collect();
         let mass = voronoi_mass(rest, &surface.triangles);
@@ -54,18 +55,27 @@ impl<'a> Elements<'a> {
         let n = self.unknowns;
         let mut assembly = Assembly::new(n);
         let mut rhs = vec![0.0; 3 * n];
-        for element in self.elements.iter().flatten() {
-            assembly.add_outer(&element.unknowns, &element.gradient, settings.identity);
-            for (&i, g) in element.unknowns.iter().zip(&element.gradient) {
-                (0..3).for_each(|c| rhs[c * n + i as usize] += settings.identity * g[c]);
+        let (smoothness, identity) = (settings.smoothness, settings.identity);
+        let rest = Matrix3::identity();
+        let areas = self.surface.area_normals(&unit.target);
+        let area: f64 = areas.iter().map(|n| n.norm()).sum();
+        for (element, n) in self.elements.iter().zip(&areas) {
+            if let Some(element) = element {
+                let share = n.norm() / area * USUAL_TRIANGLES;
+                element.attract(&rest, identity * share, &mut assembly, &mut rhs);
             }
         }
         for [a, b] in self.surface.topology().adjacent {
             if let (Some(a), Some(b)) = (&self.elements[a as usize], &self.elements[b as usize]) {
-                let indices: Vec<u32> = a.unknowns.into_iter().chain(b.unknowns).collect();
-                let minus = b.gradient.map(|g| g.map(|x| -x));
-                let rows: Vec<[f64; 3]> = a.gradient.into_iter().chain(minus).collect();
-                assembly.add_outer(&indices, &rows, settings.smoothness);
+                a.agree(b, smoothness, &mut assembly);
+            }
+        }
+        if let Some(graph) = pair.proximity {
+            for (a, b, stiffness) in ties(&unit.target, self.surface, graph, &self.elements) {
+                let weight = stiffness * settings.proximity;
+                a.agree(&b, weight * smoothness, &mut assembly);
+                a.attract(&rest, weight * identity, &mut assembly, &mut rhs);
+                b.attract(&rest, weight * identity, &mut assembly, &mut rhs);
             }
         }
         for (t, _) in self.surface.triangles.iter().zip(&self.elements).filter(|(_, e)| e.is_none()) {
@@ -97,9 +107,8 @@ impl<'a> Elements<'a> {
         self.fix_loose(&unit.target, &mut fixed, &mut values);
         let system = FixedUnknowns::new(&assembly.finish(), &fixed, "the fit of the target to the markers")?;
         let total: f64 = self.mass.iter().sum();
-        let share = self.mass.iter().map(|m| m / total * self.mass.len() as f64).collect();
+        let share = self.mass.iter().map(|m| m / total * USUAL_VERTICES).collect();
         Ok(System {
-            added: vec![0.0; system.free_count()],
             system,
             rhs,
             values: values.concat(),
@@ -109,14 +118,17 @@ impl<'a> Elements<'a> {
         })
     }
 
+    /// Number of triangles that have no element.
+    pub fn skipped(&self) -> usize {
+        self.elements.iter().filter(|e| e.is_none()).count()
+    }
+
     /// E_S of the last solution: Σ over adjacent triangles ‖F_a − F_b‖².
     pub fn smoothness_energy(&self, system: &System) -> f64 {
         let at = |unknown: u32, c: usize| system.x[c * self.unknowns + unknown as usize];
-        let of =
-            |e: &Element| Matrix3::from_fn(|c, j| (0..4).map(|k| at(e.unknowns[k], c) * e.gradient[k][j]).sum::<f64>());
         let squares = self.surface.topology().adjacent.into_iter().filter_map(|[a, b]| {
             let (a, b) = (self.elements[a as usize].as_ref()?, self.elements[b as usize].as_ref()?);
-            Some((of(a) - of(b)).norm_squared())
+            Some((a.deformation_gradient(at) - b.deformation_gradient(at)).norm_squared())
         });
         squares.sum()
     }
@@ -140,9 +152,7 @@ pub struct System {
     rhs: Vec<f64>,
     /// Positions of fixed unknowns, by columns.
     values: Vec<f64>,
-    /// What closest points have added to the diagonal.
-    added: Vec<f64>,
-    /// Area of each vertex relative to the mean.
+    /// Area of each vertex relative to the whole, times the usual number of vertices.
     share: Vec<f64>,
     weight: f64,
     /// All unknowns of the last solution, by columns.
@@ -155,7 +165,7 @@ impl System {
         self.weight = weight;
         let share = &self.share;
         let pull = |i: usize| if points.get(i).is_some_and(Option::is_some) { weight * share[i] } else { 0.0 };
-        self.system.set_diagonal(&mut self.added, pull)
+        self.system.set_diagonal(pull)
     }
 
     /// The deformed vertices, #V; `points` as in the last [`attract`](Self::attract), or empty.
@@ -171,16 +181,4 @@ impl System {
         let x = &self.x;
         (0..self.share.len()).map(|i| Point3::new(x[i], x[n + i], x[2 * n + i])).collect()
     }
-}
-
-/// The vectors gᵢ of the tetrahedron over `corners` whose fourth vertex stands on the first corner along the normal, at
-/// the square root of twice the area.
-fn gradient(&[a, b, c]: &[Point3<f64>; 3]) -> [[f64; 3]; 4] {
-    let normal = (b - a).cross(&(c - a));
-    let frame = Matrix3::from_columns(&[b - a, c - a, normal / normal.norm().sqrt()]);
-    // The caller has made sure that the triangle has an area.
-    let inverse = frame.try_inverse().unwrap_or_default();
-    let row = |k: usize| [inverse[(k, 0)], inverse[(k, 1)], inverse[(k, 2)]];
-    let first = std::array::from_fn(|j| -(0..3).map(|k| inverse[(k, j)]).sum::<f64>());
-    [first, row(0), row(1), row(2)]
 }

@@ -35,6 +35,16 @@ pub fn check(pair: Pair<'_>) -> Result<()> {
             }
         }
     }
+    // A component that is linked to a marked one, in whatever number of steps, follows it.
+    let links = pair.proximity.map_or(&[][..], |graph| &graph.links);
+    for _ in 0..components.count() {
+        let reached = links.iter().map(|link| link.components.map(|c| c as usize));
+        let news: Vec<_> = reached.filter(|&[a, b]| marked[a] != marked[b]).collect();
+        if news.is_empty() {
+            break;
+        }
+        news.into_iter().flatten().for_each(|c| marked[c] = true);
+    }
     let loose: Vec<_> = (0..components.count()).filter(|&c| !marked[c]).collect();
     if loose.is_empty() {
         return Ok(());
@@ -46,7 +56,8 @@ pub fn check(pair: Pair<'_>) -> Result<()> {
             components.count(),
             pair.target.describe_components(&components, &loose)
         ),
-        "give each a marker, or remove loose parts; `transfer: { type: multi_component }` will serve targets of many parts",
+        "link them with `proximity: { type: spanning_tree }` and move them with `transfer: { type: multi_component }`, give each a \
+         marker, or remove loose parts",
     ))
 }
 

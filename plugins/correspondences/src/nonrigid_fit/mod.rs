@@ -10,8 +10,10 @@
 //!
 //! Departures from the papers:
 //! - the source is first brought to the place and size of the target by the similarity that the markers say, and both are
-//!   scaled to a diagonal of 1, so that weights mean the same for every pair;
-//! - E_C counts vertices by their area, so that a finely meshed face does not outweigh a leg;
+//!   scaled to a diagonal of 1;
+//! - E_I and E_C are means over the area, times the numbers of triangles and vertices of a usual mesh (40,000 and 20,000),
+//!   because E_S does not grow with the number of triangles either: so weights mean the same at any resolution, and a finely
+//!   meshed face does not outweigh a leg;
 //! - the search for closest points skips triangles that face away, instead of dropping vertices whose nearest point does;
 //! - Zhou et al. print the rule for pairs the wrong way round (end of 2.2): here a triangle with a marker or a valid closest
 //!   point has a partner, and one without is an orphan;
@@ -21,6 +23,7 @@
 
 mod elements;
 mod markers;
+mod ties;
 
 use mimesh_core::{
     Error, Figures, Result,
@@ -31,7 +34,6 @@ use mimesh_core::{
     stage::{Correspondence, Pair, TriangleMap},
 };
 use nalgebra::Point3;
-use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -50,10 +52,13 @@ pub struct NonrigidFit {
     /// w_S: how alike the deformation of neighbouring triangles is kept. Only ratios of weights matter.
     #[schemars(range(min = 0.0))]
     pub smoothness: f64,
-    /// w_I: how little triangles change at all. The papers' 0.001 for meshes of no stated size; ten times that measures
+    /// w_I: how little triangles change at all. The papers' 0.001 is for meshes of no stated size; ten times that measures
     /// better in the unit frame.
-    #[schemars(range(min = 0.0))]
+    #[schemars(range(min = 1e-12))]
     pub identity: f64,
+    /// How strongly linked components follow each other (E_R), relative to `smoothness` and `identity`; 1 as in the paper.
+    #[schemars(range(min = 0.0))]
+    pub proximity: f64,
     /// w_C in the first and in the last step with closest points; it grows geometrically in between.
     pub closest: [f64; 2],
     /// Number of steps with closest points, each with a search and a solve; 0 leaves the fit to the markers.
@@ -71,6 +76,7 @@ impl Default for NonrigidFit {
         Self {
             smoothness: 1.0,
             identity: 0.01,
+            proximity: 1.0,
             closest: [1.0, 5000.0],
             steps: 10,
             max_distance: 0.05,
@@ -86,12 +92,10 @@ impl Correspondence for NonrigidFit {
         let (source, target) = (pair.source, pair.target);
         let unit = UnitFrame::new(pair, self.orientation);
         let facing = Facing::new(&unit.source, &source.triangles)?;
-        let (fit, valid, figures) = self.fit(pair, &unit, &facing)?;
-
-        let normals = vertex_normals(&fit, &target.triangles);
-        let mut points = facing.points(&fit, &normals, f64::INFINITY);
-        points.iter_mut().zip(&valid).filter(|(_, valid)| !**valid).for_each(|(point, _)| *point = None);
+        let (fit, mut points, figures) = self.fit(pair, &unit, &facing)?;
+        let mut valid: Vec<bool> = points.iter().map(Option::is_some).collect();
         for marker in pair.markers {
+            marker.target.corners(target).iter().for_each(|&(v, _)| valid[v as usize] = true);
             if let SurfacePoint::Vertex(vertex) = marker.target {
                 points[vertex as usize] = Some(marker.source);
             }
@@ -116,52 +120,46 @@ impl Correspondence for NonrigidFit {
 impl NonrigidFit {
     fn check_settings(&self) -> Result<()> {
         Error::check_setting("smoothness", self.smoothness, 1e-12, f64::INFINITY)?;
-        Error::check_setting("identity", self.identity, 0.0, f64::INFINITY)?;
+        Error::check_setting("identity", self.identity, 1e-12, f64::INFINITY)?;
+        Error::check_setting("proximity", self.proximity, 0.0, f64::INFINITY)?;
         Error::check_setting("closest[0]", self.closest[0], 0.0, f64::INFINITY)?;
         Error::check_setting("closest[1]", self.closest[1], 0.0, f64::INFINITY)?;
         Error::check_setting("max_distance", self.max_distance, 0.0, f64::INFINITY)?;
         Error::check_setting("steps", self.steps as f64, 0.0, 100.0)
     }
 
-    /// The deformed target in the unit frame, and which of its vertices have a marker or a valid closest point.
-    fn fit(&self, pair: Pair<'_>, unit: &UnitFrame, facing: &Facing) -> Result<(Vec<Point3<f64>>, Vec<bool>, Figures)> {
-        let target = pair.target;
-        let elements = Elements::new(&unit.target, target);
+    /// The deformed target in the unit frame, and the valid source point that each of its vertices has come to lie at.
+    fn fit(&self, pair: Pair<'_>, unit: &UnitFrame, facing: &Facing) -> Result<(Vec<Point3<f64>>, Points, Figures)> {
+        let triangles = &pair.target.triangles;
+        let elements = Elements::new(&unit.target, pair.target);
         let mut system = elements.system(self, pair, unit)?;
         let mut fit = system.solve(&[]);
-        let mut valid = vec![false; target.vertex_count()];
+        let found = |fit: &[Point3<f64>]| facing.points(fit, &vertex_normals(fit, triangles), self.max_distance);
+        let place = |point: &SurfacePoint| point.position(pair.source, &unit.source);
         for step in 0..self.steps {
-            let normals = vertex_normals(&fit, &target.triangles);
-            let found: Vec<_> = (&fit, &normals)
-                .into_par_iter()
-                .map(|(x, n)| facing.find(x, n, self.max_distance).map(|found| found.point))
-                .collect();
-            system.attract(self.closest_weight(step), &found)?;
-            fit = system.solve(&found);
-            valid = found.iter().map(Option::is_some).collect();
+            let goals: Vec<_> = found(&fit).iter().map(|point| point.as_ref().map(place)).collect();
+            system.attract(self.closest_weight(step), &goals)?;
+            fit = system.solve(&goals);
         }
-        let distances: Vec<f64> = (&fit, &vertex_normals(&fit, &target.triangles))
-            .into_par_iter()
-            .filter_map(|(x, n)| Some(facing.find(x, n, self.max_distance)?.distance))
-            .collect();
+        let points = found(&fit);
 
         let mut figures = Figures::default();
-        let mean_square = distances.iter().map(|d| d * d).sum::<f64>() / distances.len().max(1) as f64;
-        figures.set("vertices_on_the_source", distances.len());
-        figures.set("rms_distance_percent", 100.0 * mean_square.sqrt());
+        let squares = fit.iter().zip(&points).filter_map(|(x, point)| Some((x - place(point.as_ref()?)).norm_squared()));
+        let count = points.iter().flatten().count();
+        figures.set("vertices_on_the_source", count);
+        figures.set("rms_distance_percent", 100.0 * (squares.sum::<f64>() / count.max(1) as f64).sqrt());
         figures.set("smoothness_energy", elements.smoothness_energy(&system));
-        if 2 * distances.len() < fit.len() {
+        if elements.skipped() > 0 {
+            figures.set("triangles_skipped", elements.skipped());
+        }
+        if 2 * count < fit.len() {
             figures.warn(format!(
-                "only {} of {} target vertices came to lie on the source, facing the same way; look whether markers are \
+                "only {count} of {} target vertices came to lie on the source, facing the same way; look whether markers are \
                  swapped, whether one mesh is inside out, or give more markers",
-                distances.len(),
                 fit.len()
             ));
         }
-        for marker in pair.markers {
-            marker.target.corners(target).iter().for_each(|&(v, _)| valid[v as usize] = true);
-        }
-        Ok((fit, valid, figures))
+        Ok((fit, points, figures))
     }
 
     /// w_C of a step, geometrically from the first to the last.
@@ -171,6 +169,9 @@ impl NonrigidFit {
         if first > 0.0 && last > 0.0 { first * (last / first).powf(along) } else { first + (last - first) * along }
     }
 }
+
+/// For each target vertex the source point it lies at, if there is one.
+type Points = Vec<Option<SurfacePoint>>;
 
 /// Both rest surfaces where they are compared: the target about the origin with a diagonal of 1, the source laid on it.
 struct UnitFrame {

@@ -1,0 +1,294 @@
+//! The quadratic energy of all components together.
+
+use mimesh_core::{
+    Result,
+    linalg::{Assembly, Cholesky},
+    mesh::Surface,
+    operators::{Gradient, Tetrahedron, cotangent_laplacian, gradients},
+};
+use nalgebra::{Matrix3, Point3, Vector3};
+use nalgebra_sparse::CscMatrix;
+
+use super::gaps::Gap;
+
+/// How strongly a triangle without area holds its edges, in units of cotangent weight.
+const DEGENERATE_WEIGHT: f64 = 1e-4;
+
+/// How strongly the edges of every triangle are held, too weakly to be felt where anything else holds them.
+const SLIGHT_WEIGHT: f64 = 1e-9;
+
+/// w1 to w4.
+#[derive(Clone, Copy, Debug)]
+pub struct Weights {
+    pub gradient: f64,
+    pub smoothness: f64,
+    pub detail: f64,
+}
+
+/// E1 + E2 + E3 + E4 with directions held: one matrix, factored once.
+#[derive(Debug)]
+pub struct System {
+    cholesky: Cholesky,
+    rest: Vec<Point3<f64>>,
+    triangles: Vec<[u32; 3]>,
+    /// What a gradient multiplies into the right-hand side of each corner (E1, and a little for every triangle).
+    pull: Vec<Matrix3<f64>>,
+    /// Their gradients and weights.
+    gradients: Vec<Option<(Gradient, f64)>>,
+    /// Neighbouring orphans (E2).
+    agreeing: Vec<(Tetrahedron, Tetrahedron, f64)>,
+    /// Orphans with a corresponding neighbour, by which they are held (E2): tetrahedron, neighbour, weight.
+    held: Vec<(Tetrahedron, u32, f64)>,
+    /// The Laplacian of orphan components (E4), times w4 on the right-hand side.
+    detail: Option<Detail>,
+    unknowns: usize,
+    anchor: u32,
+    /// Vertices without a triangle, which the system says nothing of.
+    loose: Vec<u32>,
+}
+
+/// E4 of orphan components.
+#[derive(Debug)]
+pub struct Detail {
+    laplacian: CscMatrix<f64>,
+    /// Vertices of orphan components.
+    vertices: Vec<u32>,
+    /// ‖(L v)ᵢ‖ at rest.
+    lengths: Vec<f64>,
+    weight: f64,
+}
+
+impl System {
+    /// Factors the system; `orphan_component` says which vertices belong to components without any correspondence.
+    pub fn new(
+        target: &Surface,
+        gaps: &[Gap],
+        weights: Weights,
+        is_orphan: impl Fn(usize) -> bool,
+        orphan_component: impl Fn(u32) -> bool,
+    ) -> Result<Self> {
+        let n = target.vertex_count();
+        let gradients = gradients(&target.positions, &target.triangles);
+        let mut unknowns = n;
+        let tetrahedra: Vec<Option<Tetrahedron>> = (0..target.triangle_count())
+            .map(|t| {
+                if !is_orphan(t) || gradients[t].is_none() || weights.smoothness == 0.0 {
+                    return None;
+                }
+                unknowns += 1;
+                Some(Tetrahedron::over(target.triangles[t], unknowns as u32 - 1, &target.corners(&target.positions, t)))
+            })
+            .collect();
+        let mut assembly = Assembly::new(unknowns);
+        let mut pull = Vec::with_capacity(gradients.len());
+        for (t, gradient) in gradients.iter().enumerate() {
+            let corners = &target.triangles[t];
+            // The edges of every triangle are held a little, so that what no other term holds follows its neighbours.
+            let slight = tie(target, corners, if gradient.is_some() { SLIGHT_WEIGHT } else { DEGENERATE_WEIGHT }, &mut assembly);
+            pull.push(match gradient {
+                Some(Gradient { of_corners: g, area }) if !is_orphan(t) => {
+                    let w = weights.gradient * area;
+                    let rows: [[f64; 3]; 3] = std::array::from_fn(|i| g.column(i).into_owned().into());
+                    assembly.add_outer(corners, &rows, w);
+                    slight + g * w
+                }
+                _ => slight,
+            });
+        }
+        let area = |t: usize| gradients[t].map_or(0.0, |g| g.area);
+        let (mut held, mut agreeing) = (Vec::new(), Vec::new());
+        for [a, b] in target.topology().adjacent {
+            let weight = weights.smoothness * (area(a as usize) + area(b as usize)) / 2.0;
+            match (&tetrahedra[a as usize], &tetrahedra[b as usize]) {
+                (Some(a), Some(b)) => agreeing.push((a.clone(), b.clone(), weight)),
+                (Some(orphan), None) => held.push((orphan.clone(), b, weight)),
+                (None, Some(orphan)) => held.push((orphan.clone(), a, weight)),
+                (None, None) => {}
+            }
+        }
+        agreeing.iter().for_each(|(a, b, weight): &(Tetrahedron, Tetrahedron, f64)| a.agree(b, *weight, &mut assembly));
+        let mut nowhere = vec![0.0; 3 * unknowns];
+        held.iter().for_each(|(orphan, _, w)| orphan.attract(&Matrix3::identity(), *w, &mut assembly, &mut nowhere));
+        for gap in gaps {
+            assembly.add_outer(&gap.ends, &[[1.0], [-1.0]], gap.weight);
+        }
+        let detail = Detail::new(target, weights.detail, orphan_component, &mut assembly);
+        let mut used = vec![false; n];
+        target.triangles.iter().flatten().for_each(|&v| used[v as usize] = true);
+        let loose: Vec<u32> = (0..n as u32).filter(|&v| !used[v as usize]).collect();
+        // Coordinates are relative to the anchor. No term minds a translation, so that this holds it exactly.
+        let anchor = target.triangles.first().map_or(0, |t| t[0]);
+        loose.iter().chain([&anchor]).for_each(|&v| assembly.add(v as usize, v as usize, 1.0));
+        let known = |t: usize| gradients[t].filter(|_| !is_orphan(t)).map(|g| (g, weights.gradient * g.area));
+        let cholesky = Cholesky::new(assembly.finish(), "the system of the target's components")?;
+        Ok(Self {
+            cholesky,
+            rest: target.positions.clone(),
+            triangles: target.triangles.clone(),
+            pull,
+            gradients: (0..gradients.len()).map(known).collect(),
+            agreeing,
+            held,
+            detail,
+            unknowns,
+            anchor,
+            loose,
+        })
+    }
+
+    /// The part of the right-hand side that does not change within a pose.
+    pub fn rhs(&self, field: &[Matrix3<f64>]) -> Vec<f64> {
+        let n = self.unknowns;
+        let mut rhs = vec![0.0; 3 * n];
+        for ((t, pull), f) in self.triangles.iter().zip(&self.pull).zip(field) {
+            let b = f * pull;
+            for (k, &v) in t.iter().enumerate() {
+                (0..3).for_each(|c| rhs[c * n + v as usize] += b[(c, k)]);
+            }
+        }
+        for (orphan, neighbour, weight) in &self.held {
+            orphan.attract_rhs(&field[*neighbour as usize], *weight, &mut rhs);
+        }
+        rhs
+    }
+
+    /// The unknowns that minimise the energy for gaps `vectors` and Laplacian coordinates `details`.
+    pub fn solve(&self, rhs: &[f64], gaps: &[Gap], vectors: &[Vector3<f64>], details: &[Vector3<f64>]) -> Vec<f64> {
+        let n = self.unknowns;
+        let mut x = rhs.to_vec();
+        for (gap, vector) in gaps.iter().zip(vectors) {
+            for c in 0..3 {
+                x[c * n + gap.ends[0] as usize] += gap.weight * vector[c];
+                x[c * n + gap.ends[1] as usize] -= gap.weight * vector[c];
+            }
+        }
+        if let Some(detail) = &self.detail {
+            detail.add_rhs(details, &mut x);
+        }
+        self.cholesky.solve_in_place(&mut x, 3);
+        x
+    }
+
+    /// The vertices of a solution.
+    pub fn positions(&self, x: &[f64]) -> Vec<Point3<f64>> {
+        let n = self.unknowns;
+        let anchor = self.rest[self.anchor as usize];
+        let mut positions: Vec<_> =
+            (0..self.rest.len()).map(|v| anchor + Vector3::new(x[v], x[n + v], x[2 * n + v])).collect();
+        self.loose.iter().for_each(|&v| positions[v as usize] = self.rest[v as usize]);
+        positions
+    }
+
+    /// E4's Laplacian coordinates for the directions at `now`; empty if there is no orphan component.
+    pub fn details(&self, now: &[Point3<f64>]) -> Vec<Vector3<f64>> {
+        self.detail.as_ref().map_or(vec![], |detail| detail.goals(now))
+    }
+
+    /// E4's Laplacian coordinates at rest, turned by what `rotation` says of each vertex.
+    pub fn turned_details(&self, rotation: impl Fn(u32) -> Matrix3<f64>) -> Vec<Vector3<f64>> {
+        let Some(detail) = &self.detail else { return vec![] };
+        let at_rest = coordinates(&detail.laplacian, &detail.vertices, &self.rest);
+        detail.vertices.iter().zip(at_rest).map(|(&v, d)| rotation(v) * d).collect()
+    }
+
+    /// Whether any component is an orphan that E4 holds.
+    pub fn has_details(&self) -> bool {
+        self.detail.is_some()
+    }
+
+    /// E1 + E2 + E4 of a solution; E3 is the gaps' own.
+    pub fn energy(&self, x: &[f64], field: &[Matrix3<f64>]) -> f64 {
+        let positions = self.positions(x);
+        let at = |i: u32, c: usize| x[c * self.unknowns + i as usize];
+        let mut energy = self.detail.as_ref().map_or(0.0, |detail| detail.energy(&positions));
+        for ((t, gradient), f) in self.triangles.iter().zip(&self.gradients).zip(field) {
+            let Some((gradient, weight)) = gradient else { continue };
+            let projection = gradient.of_posed(&t.map(|v| self.rest[v as usize]));
+            energy += weight * (f * projection - gradient.of_posed(&t.map(|v| positions[v as usize]))).norm_squared();
+        }
+        for (orphan, neighbour, weight) in &self.held {
+            energy += weight * (orphan.deformation_gradient(at) - field[*neighbour as usize]).norm_squared();
+        }
+        for (a, b, weight) in &self.agreeing {
+            energy += weight * (a.deformation_gradient(at) - b.deformation_gradient(at)).norm_squared();
+        }
+        energy
+    }
+}
+
+impl Detail {
+    /// Adds w4 LᵀL of orphan components to the matrix.
+    fn new(target: &Surface, weight: f64, is_orphan: impl Fn(u32) -> bool, assembly: &mut Assembly) -> Option<Self> {
+        let triangles: Vec<[u32; 3]> = target.triangles.iter().copied().filter(|t| is_orphan(t[0])).collect();
+        if triangles.is_empty() || weight == 0.0 {
+            return None;
+        }
+        let lower = cotangent_laplacian(&target.positions, &triangles);
+        let mut full = nalgebra_sparse::CooMatrix::new(lower.nrows(), lower.ncols());
+        for (i, j, &value) in lower.triplet_iter() {
+            full.push(i, j, value);
+            if i != j {
+                full.push(j, i, value);
+            }
+        }
+        let laplacian = CscMatrix::from(&full);
+        let mut vertices: Vec<u32> = triangles.iter().flatten().copied().collect();
+        vertices.sort_unstable();
+        vertices.dedup();
+        for &v in &vertices {
+            let column = laplacian.col(v as usize);
+            let indices: Vec<u32> = column.row_indices().iter().map(|&i| i as u32).collect();
+            let rows: Vec<[f64; 1]> = column.values().iter().map(|&x| [x]).collect();
+            assembly.add_outer(&indices, &rows, weight);
+        }
+        let lengths = coordinates(&laplacian, &vertices, &target.positions).iter().map(Vector3::norm).collect();
+        Some(Self { laplacian, vertices, lengths, weight })
+    }
+
+    /// δ̂ᵢ = (L x)ᵢ ‖(L v)ᵢ‖ / ‖(L x)ᵢ‖: the direction from now, the length from rest.
+    fn goals(&self, now: &[Point3<f64>]) -> Vec<Vector3<f64>> {
+        let coordinates = coordinates(&self.laplacian, &self.vertices, now);
+        let goal = |(d, length): (&Vector3<f64>, &f64)| d.try_normalize(1e-300).unwrap_or_default() * *length;
+        coordinates.iter().zip(&self.lengths).map(goal).collect()
+    }
+
+    fn add_rhs(&self, goals: &[Vector3<f64>], x: &mut [f64]) {
+        let n = x.len() / 3;
+        for (&v, goal) in self.vertices.iter().zip(goals) {
+            let column = self.laplacian.col(v as usize);
+            for (&i, &value) in column.row_indices().iter().zip(column.values()) {
+                (0..3).for_each(|c| x[c * n + i] += self.weight * value * goal[c]);
+            }
+        }
+    }
+
+    fn energy(&self, now: &[Point3<f64>]) -> f64 {
+        let coordinates = coordinates(&self.laplacian, &self.vertices, now);
+        let difference = |(d, length): (&Vector3<f64>, &f64)| (d.norm() - length).powi(2);
+        self.weight * coordinates.iter().zip(&self.lengths).map(difference).sum::<f64>()
+    }
+}
+
+/// (L x)ᵢ of some vertices.
+fn coordinates(laplacian: &CscMatrix<f64>, vertices: &[u32], positions: &[Point3<f64>]) -> Vec<Vector3<f64>> {
+    let at = |&v: &u32| {
+        let column = laplacian.col(v as usize);
+        column.row_indices().iter().zip(column.values()).map(|(&i, &w)| positions[i].coords * w).sum()
+    };
+    vertices.iter().map(at).collect()
+}
+
+/// Holds the edges of a triangle; returns what a gradient multiplies into the right-hand side.
+fn tie(target: &Surface, t: &[u32; 3], weight: f64, assembly: &mut Assembly) -> Matrix3<f64> {
+    let mut pull = Matrix3::zeros();
+    for (i, j) in [(0, 1), (1, 2), (2, 0)] {
+        if t[i] != t[j] {
+            assembly.add_outer(&[t[i], t[j]], &[[1.0], [-1.0]], weight);
+            let edge = (target.positions[t[i] as usize] - target.positions[t[j] as usize]) * weight;
+            let (a, b) = (pull.column(i) + edge, pull.column(j) - edge);
+            pull.set_column(i, &a);
+            pull.set_column(j, &b);
+        }
+    }
+    pull
+}
