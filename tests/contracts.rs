@@ -4,7 +4,7 @@ use std::{collections::HashSet, path::PathBuf};
 
 use mimesh::core::{
     plugin::{self, instances},
-    stage::{Correspondence, Format, Metric, Sample, Transfer},
+    stage::{Correspondence, Format, Metric, Proximity, Sample, Transfer},
     testkit::contracts,
 };
 
@@ -27,6 +27,7 @@ fn every_default_is_written_and_read_back() {
     instances::<dyn Correspondence>().iter().for_each(|(name, stage)| contracts::round_trips(name, &**stage));
     instances::<dyn Format>().iter().for_each(|(name, stage)| contracts::round_trips(name, &**stage));
     instances::<dyn Metric>().iter().for_each(|(name, stage)| contracts::round_trips(name, &**stage));
+    instances::<dyn Proximity>().iter().for_each(|(name, stage)| contracts::round_trips(name, &**stage));
     instances::<dyn Sample>().iter().for_each(|(name, stage)| contracts::round_trips(name, &**stage));
     instances::<dyn Transfer>().iter().for_each(|(name, stage)| contracts::round_trips(name, &**stage));
 }
@@ -50,6 +51,11 @@ fn every_correspondence_keeps_its_contract() {
 #[test]
 fn every_transfer_keeps_its_contract() {
     instances::<dyn Transfer>().iter().for_each(|(name, stage)| contracts::transfer(name, &**stage));
+}
+
+#[test]
+fn every_proximity_keeps_its_contract() {
+    instances::<dyn Proximity>().iter().for_each(|(name, stage)| contracts::proximity(name, &**stage));
 }
 
 #[test]

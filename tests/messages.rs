@@ -342,12 +342,12 @@ error: p.yaml:3:17: correspondence (nonrigid_fit): 2 of the target's 3 component
    |
  3 | correspondence: { type: nonrigid_fit }
    |                 ^^^^^^^^^^^^^^^^^^^^^
-   = hint: give each a marker, or remove loose parts; `transfer: { type: multi_component }` will serve targets of many parts
+   = hint: link them with `proximity: { type: spanning_tree }` and move them with `transfer: { type: multi_component }`, give each a marker, or remove loose parts
 error: p.yaml:4:11: transfer (gradient): the target has 3 components, and gradients say nothing of how they lie to each other; beside the largest: left_eye (8 vertices, from vertex 9), right_eye (8 vertices, from vertex 17)
    |
  4 | transfer: { type: gradient }
    |           ^^^^^^^^^^^^^^^^^
-   = hint: `transfer: { type: multi_component }` will serve targets of many parts; until then join or remove the loose parts
+   = hint: use `proximity: { type: spanning_tree }` and `transfer: { type: multi_component }`, or join or remove the loose parts
 2 mistakes
 ",
     );

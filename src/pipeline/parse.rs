@@ -14,10 +14,11 @@ use super::{
 use crate::mistake::Mistake;
 
 /// The keys of a pipeline, in the order of its documentation.
-pub const SLOTS: [&str; 10] = [
+pub const SLOTS: [&str; 11] = [
     "source",
     "target",
     "markers",
+    "proximity",
     "correspondence",
     "keep_correspondence",
     "transfer",
@@ -40,6 +41,7 @@ pub fn parse(document: &Document) -> (Pipeline, Vec<Mistake>) {
         source: slots.required("source").unwrap_or_default(),
         target: slots.required("target").unwrap_or_default(),
         markers: slots.optional("markers"),
+        proximity: slots.optional("proximity"),
         correspondence: slots.required("correspondence"),
         keep_correspondence: slots.optional("keep_correspondence"),
         transfer: slots.required("transfer"),
@@ -174,7 +176,7 @@ pub(super) fn stage_at(path: &[Step]) -> Option<String> {
     let keys: Vec<_> = keys.iter().map(String::as_str).collect();
     match keys[..] {
         ["source" | "target", "sample"] => Some("sample".into()),
-        ["correspondence" | "transfer"] => Some(keys[0].into()),
+        ["proximity" | "correspondence" | "transfer"] => Some(keys[0].into()),
         ["metrics", _] => Some("metric".into()),
         ["formats", _] => Some("format".into()),
         _ => None,

@@ -66,7 +66,21 @@ impl Run<'_> {
             return Err(Mistake::new(Status::Internal, "a pipeline without stages was taken for checked").into());
         };
         let (source, target) = (&prepared.source, &prepared.target);
-        let pair = Pair { source: &source.surface, target: &target.surface, markers: &prepared.markers, proximity: None };
+        let graph = match &prepared.pipeline.proximity {
+            None => None,
+            Some(proximity) => Some(self.stage("proximity", proximity.typetag_name(), || {
+                let graph = proximity.proximity(&target.surface)?;
+                graph.check(&target.surface)?;
+                let figures = graph.figures.clone();
+                Ok((graph, figures))
+            })?),
+        };
+        let pair = Pair {
+            source: &source.surface,
+            target: &target.surface,
+            markers: &prepared.markers,
+            proximity: graph.as_ref(),
+        };
 
         let map = self.stage("correspondence", correspondence.typetag_name(), || {
             let map = correspondence.correspond(pair)?;

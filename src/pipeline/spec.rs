@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::OneOrMany;
-use crate::core::stage::{Correspondence, Format, Metric, Sample, Transfer};
+use crate::core::stage::{Correspondence, Format, Metric, Proximity, Sample, Transfer};
 
 /// A pipeline: a source with its poses, a target, and how the target takes the poses.
 ///
@@ -22,6 +22,10 @@ pub struct Pipeline {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("examples" = ["horse_camel.cons"]))]
     pub markers: Option<PathBuf>,
+    /// How the components of the target lie to each other; needed by `transfer: { type: multi_component }`, and for
+    /// components without markers to follow those that have them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub proximity: Option<Box<dyn Proximity>>,
     /// How triangles of source and target are paired.
     #[schemars(required)]
     pub correspondence: Option<Box<dyn Correspondence>>,

@@ -38,7 +38,10 @@ impl ComponentRef {
             format!("the mesh has parts {}", target.part_names.join(", "))
         };
         Err(Error::data(
-            format!("the target has no component {what}: expected 0 to {}, or a name; {names}", count.saturating_sub(1)),
+            format!(
+                "the target has no component {what}: expected 0 to {}, or a name; {names}",
+                count.saturating_sub(1)
+            ),
             "`mimesh inspect MESH --components` lists them",
         ))
     }
@@ -82,12 +85,14 @@ impl<'de> Deserialize<'de> for ComponentRef {
             }
 
             fn visit_u64<E: de::Error>(self, number: u64) -> Result<ComponentRef, E> {
-                let number = u32::try_from(number).map_err(|_| E::invalid_value(de::Unexpected::Unsigned(number), &self))?;
+                let number =
+                    u32::try_from(number).map_err(|_| E::invalid_value(de::Unexpected::Unsigned(number), &self))?;
                 Ok(ComponentRef::Number(number))
             }
 
             fn visit_i64<E: de::Error>(self, number: i64) -> Result<ComponentRef, E> {
-                let number = u32::try_from(number).map_err(|_| E::invalid_value(de::Unexpected::Signed(number), &self))?;
+                let number =
+                    u32::try_from(number).map_err(|_| E::invalid_value(de::Unexpected::Signed(number), &self))?;
                 Ok(ComponentRef::Number(number))
             }
 

@@ -50,7 +50,8 @@ impl TriangleMap {
         if self.partners.iter().all(Option::is_none) {
             return Err(Error::data(
                 "correspondence: no target triangle has a partner on the source",
-                "give more markers, or check that both meshes show the same kind of thing in a similar pose",
+                "check that both meshes show the same kind of thing in a similar pose and place, and give more markers where the \
+                 method uses them",
             ));
         }
         Ok(())

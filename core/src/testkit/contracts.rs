@@ -10,7 +10,7 @@ use crate::{
     Plugin,
     mesh::{Surface, SurfacePoint, diagonal},
     plugin::StageKind,
-    stage::{BoundTransfer, Correspondence, Marker, Pair, Sample, Transfer, TriangleMap},
+    stage::{BoundTransfer, Correspondence, Marker, Pair, Proximity, Sample, Transfer, TriangleMap},
 };
 
 /// Rounding through one factorisation and solve of these small meshes, relative to the diagonal.
@@ -120,6 +120,32 @@ fn transfer_between(name: &str, stage: &dyn Transfer, source: &Surface, target: 
     assert!(bound.transfer(&broken).is_err(), "{name}: takes a pose with NaN");
 }
 
+/// The contract of [`Proximity`].
+pub fn proximity(name: &str, stage: &dyn Proximity) {
+    let target = scattered_bars();
+    let run = || stage.proximity(&target).unwrap_or_else(|error| panic!("{name}: {error}"));
+    let graph = run();
+    graph.check(&target).unwrap_or_else(|error| panic!("{name}: {error}"));
+    assert!(graph == one_thread(run), "{name}: another graph on one thread");
+    assert_eq!(graph.components, target.components(), "{name}: components are those of the surface");
+    let mut reached = vec![false; graph.components.count()];
+    reached[0] = true;
+    for _ in 0..reached.len() {
+        for [a, b] in graph.links.iter().map(|link| link.components.map(|c| c as usize)) {
+            let joined = reached[a] || reached[b];
+            (reached[a], reached[b]) = (joined, joined);
+        }
+    }
+    assert!(reached.iter().all(|r| *r), "{name}: some components are not joined to the rest");
+    for link in &graph.links {
+        assert!(!link.pairs.is_empty() && link.components[0] < link.components[1], "{name}: {link:?}");
+        for pair in &link.pairs {
+            let of = pair.map(|v| graph.components.of_vertex[v as usize]);
+            assert_eq!(of, link.components.map(Some), "{name}: pair {pair:?} joins other components");
+        }
+    }
+}
+
 /// The contract of [`Sample`].
 pub fn sample(name: &str, stage: &dyn Sample) {
     let make = || stage.make().unwrap_or_else(|error| panic!("{name}: {error}"));
@@ -165,6 +191,20 @@ fn with_defects(surface: Surface) -> Surface {
     positions.push(middle);
     triangles.push([a, b, positions.len() as u32 - 1]);
     positions.push(Point3::new(0.3, 2.0, 0.1));
+    Surface::from_triangles(positions, triangles).expect("finite positions and existing corners")
+}
+
+/// Bars of one size at places without order, some of which overlap.
+fn scattered_bars() -> Surface {
+    let bar = meshes::bar([3, 1, 1], [1.0, 0.3, 0.3]);
+    let mut random = Random::new(5);
+    let (mut positions, mut triangles) = (Vec::new(), Vec::new());
+    for _ in 0..12 {
+        let start = positions.len() as u32;
+        let motion = random.rigid_motion(2.0);
+        positions.extend(bar.positions.iter().map(|p| motion * p));
+        triangles.extend(bar.triangles.iter().map(|t| t.map(|v| v + start)));
+    }
     Surface::from_triangles(positions, triangles).expect("finite positions and existing corners")
 }
 

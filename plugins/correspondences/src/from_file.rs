@@ -36,8 +36,15 @@ struct Contents {
 impl Correspondence for FromFile {
     fn correspond(&self, pair: Pair<'_>) -> Result<TriangleMap> {
         let map = read(&self.path)?;
-        map.check(pair)?;
+        map.check(pair).map_err(|error| {
+            let hint = "keep the correspondence of these meshes anew, with `keep_correspondence: FILE`";
+            Error::file(&self.path, format!("not of these meshes: {error}"), hint)
+        })?;
         Ok(map)
+    }
+
+    fn check(&self, pair: Pair<'_>) -> Result<()> {
+        self.correspond(pair).map(drop)
     }
 
     fn files(&mut self) -> Vec<&mut PathBuf> {
@@ -48,8 +55,8 @@ impl Correspondence for FromFile {
 fn read(path: &Path) -> Result<TriangleMap> {
     let hint = "make it with `keep_correspondence: FILE` in the pipeline that computes it";
     let text = std::fs::read_to_string(path).map_err(|error| Error::read(path, error))?;
-    let contents: Contents =
-        serde_json::from_str(&text).map_err(|error| Error::line(path, error.line(), error.to_string(), hint))?;
+    let contents: Contents = serde_json::from_str(&text)
+        .map_err(|error| Error::line(path, error.line(), format!("not a kept correspondence: {error}"), hint))?;
     if contents.format != "mimesh-correspondence" || contents.version != 1 {
         let found = format!("{} version {}", contents.format, contents.version);
         return Err(Error::file(path, format!("expected mimesh-correspondence version 1, found {found}"), hint));

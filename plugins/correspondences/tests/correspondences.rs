@@ -75,7 +75,11 @@ fn markers_pull_the_surface_around_them_to_where_they_point() {
     markers[0].source = SurfacePoint::Vertex(goal);
     markers.truncate(8);
     let triangle = (0..target.triangle_count())
-        .find(|&t| markers.iter().all(|m| (m.target.position(&target, &target.positions) - target.corners(&target.positions, t)[0]).norm() > 0.8))
+        .find(|&t| {
+            markers.iter().all(|m| {
+                (m.target.position(&target, &target.positions) - target.corners(&target.positions, t)[0]).norm() > 0.8
+            })
+        })
         .expect("a triangle away from markers");
     let aim = far(target.triangles[triangle][0]).expect("a vertex at a distance of 0.3");
     markers.push(Marker {
@@ -105,7 +109,8 @@ fn without_steps_a_fit_of_a_surface_to_itself_leaves_no_orphans() {
     let surface = potato(3);
     let markers = markers(&surface, &surface);
     let stage = NonrigidFit { steps: 0, ..NonrigidFit::default() };
-    let map = stage.correspond(Pair { source: &surface, target: &surface, markers: &markers, proximity: None }).unwrap();
+    let map =
+        stage.correspond(Pair { source: &surface, target: &surface, markers: &markers, proximity: None }).unwrap();
     assert_eq!(map.orphan_count(), 0);
 }
 
@@ -119,7 +124,12 @@ fn a_sliver_in_the_target_does_not_stop_the_fit() {
         target.positions.push(nalgebra::center(&p, &q) + Vector3::new(0.0, 0.0, height));
         target.triangles.push([a, b, target.positions.len() as u32 - 1]);
         let markers = markers(&source, &source);
-        let map = NonrigidFit::default().correspond(Pair { source: &source, target: &target, markers: &markers, proximity: None });
+        let map = NonrigidFit::default().correspond(Pair {
+            source: &source,
+            target: &target,
+            markers: &markers,
+            proximity: None,
+        });
         let percent = map.unwrap().figures.number("rms_distance_percent").unwrap();
         // A fit onto itself but for the sliver, which stands out by its height.
         assert!(percent < 0.01, "{height}: {percent}");
@@ -186,7 +196,9 @@ fn surfaces_that_are_inside_out_are_warned_about() {
     let mut target = potato(3);
     let markers = markers(&source, &target);
     target.triangles.iter_mut().for_each(|t| t.swap(1, 2));
-    let map = NonrigidFit::default().correspond(Pair { source: &source, target: &target, markers: &markers, proximity: None }).unwrap();
+    let map = NonrigidFit::default()
+        .correspond(Pair { source: &source, target: &target, markers: &markers, proximity: None })
+        .unwrap();
     assert!(map.figures.warnings.iter().any(|w| w.contains("inside out")), "{:?}", map.figures);
 }
 
@@ -203,7 +215,9 @@ fn nearest_leaves_what_is_far_away_as_orphans() {
     let source = potato(3);
     let mut target = potato(2);
     target.positions.iter_mut().filter(|p| p.x > 1.5).for_each(|p| p.x += 3.0);
-    let map = Nearest::default().correspond(Pair { source: &source, target: &target, markers: &[], proximity: None }).unwrap();
+    let map = Nearest::default()
+        .correspond(Pair { source: &source, target: &target, markers: &[], proximity: None })
+        .unwrap();
     assert!(map.orphan_count() > 0 && map.orphan_count() < target.triangle_count());
 }
 

@@ -70,7 +70,8 @@ impl Proximity for SpanningTree {
         let components = target.components();
         let parts = Part::all(target, &components)?;
         let between = |pairs: &[[ComponentRef; 2]]| -> Result<Vec<[Vec<u32>; 2]>> {
-            let both = |[a, b]: &[ComponentRef; 2]| Ok([a.resolve(target, &components)?, b.resolve(target, &components)?]);
+            let both =
+                |[a, b]: &[ComponentRef; 2]| Ok([a.resolve(target, &components)?, b.resolve(target, &components)?]);
             pairs.iter().map(both).collect()
         };
         let forbidden = between(&self.forbid)?;
@@ -172,7 +173,11 @@ fn tree(parts: &[Part], allowed: impl Fn(u32, u32) -> bool) -> Vec<(f64, [u32; 2
     let mut queue = BinaryHeap::new();
     for a in 0..count {
         for b in (a + 1..count).filter(|&b| allowed(a, b)) {
-            queue.push(Reverse(Candidate { distance: parts[a as usize].box_distance(&parts[b as usize]), exact: false, pair: [a, b] }));
+            queue.push(Reverse(Candidate {
+                distance: parts[a as usize].box_distance(&parts[b as usize]),
+                exact: false,
+                pair: [a, b],
+            }));
         }
     }
     let mut joined = UnionFind::<u32>::new(parts.len());

@@ -51,7 +51,13 @@ enum Origin {
 impl Field {
     /// Prepares for poses of the source; `use_points` says whether source points are used at all, and `bridges` are pairs of
     /// triangles that count as neighbours when orphans continue theirs.
-    pub fn new(pair: Pair<'_>, map: &TriangleMap, rotation: Matrix3<f64>, use_points: bool, bridges: &[[u32; 2]]) -> Result<Self> {
+    pub fn new(
+        pair: Pair<'_>,
+        map: &TriangleMap,
+        rotation: Matrix3<f64>,
+        use_points: bool,
+        bridges: &[[u32; 2]],
+    ) -> Result<Self> {
         let (source, target) = (pair.source, pair.target);
         let of_partners = DeformationGradients::new(&source.positions, &source.triangles);
         let known = |v: u32| map.points.get(v as usize).copied().flatten();
@@ -160,7 +166,9 @@ impl Extension {
             regions.union(number[a as usize], number[b as usize]);
         }
         let mut reached: HashSet<u32> = (0..held as u32).map(|k| regions.find_mut(k)).collect();
-        (held..triangles.len()).filter(|&k| reached.insert(regions.find_mut(k as u32))).for_each(|k| assembly.add(k, k, 1.0));
+        (held..triangles.len())
+            .filter(|&k| reached.insert(regions.find_mut(k as u32)))
+            .for_each(|k| assembly.add(k, k, 1.0));
         let fixed: Vec<u32> = (0..held as u32).collect();
         let system = FixedUnknowns::new(&assembly.finish(), &fixed, "the continuation of the deformation to orphans")?;
         Ok(Some(Self { system, triangles, held }))

@@ -102,7 +102,14 @@ impl Transfer for GradientTransfer {
             Weighting::Uniform => 1.0,
         })?;
         let placement = self.placement.bind(pair, map, alignment)?;
-        Ok(Box::new(Bound { settings: self.clone(), field, poisson, placement, loose: Loose::new(pair.target), figures: figures(&similarity) }))
+        Ok(Box::new(Bound {
+            settings: self.clone(),
+            field,
+            poisson,
+            placement,
+            loose: Loose::new(pair.target),
+            figures: figures(&similarity),
+        }))
     }
 
     fn check(&self, pair: Pair<'_>) -> Result<()> {
@@ -125,7 +132,7 @@ fn check_connected(pair: Pair<'_>) -> Result<()> {
             components.count(),
             pair.target.describe_components(&components, &loose)
         ),
-        "`transfer: { type: multi_component }` will serve targets of many parts; until then join or remove the loose parts",
+        "use `proximity: { type: spanning_tree }` and `transfer: { type: multi_component }`, or join or remove the loose parts",
     ))
 }
 

@@ -83,7 +83,13 @@ impl Poisson {
                 if let (Some(i), Some(j)) = (unknown[element.corners[a] as usize], unknown[element.corners[b] as usize])
                 {
                     // Two corners at one vertex: the pair stands for both entries off the diagonal.
-                    let share = if a == b { 2.0 * value } else if i == j { -2.0 * value } else { -value };
+                    let share = if a == b {
+                        2.0 * value
+                    } else if i == j {
+                        -2.0 * value
+                    } else {
+                        -value
+                    };
                     pattern.add(i as usize, j as usize, share);
                 }
             }

@@ -37,7 +37,15 @@ impl Check<'_> {
             }
         }
         let (Some(source), Some(target), Some(markers)) = (source, target, markers) else { return };
-        let pair = Pair { source: &source.surface, target: &target.surface, markers, proximity: None };
+        let graph = match pipeline.proximity.as_ref().map(|proximity| proximity.proximity(&target.surface)) {
+            Some(Err(error)) => {
+                let name = pipeline.proximity.as_ref().map_or("", |proximity| proximity.typetag_name());
+                return self.refused("proximity", name, error);
+            }
+            Some(Ok(graph)) => Some(graph),
+            None => None,
+        };
+        let pair = Pair { source: &source.surface, target: &target.surface, markers, proximity: graph.as_ref() };
         if let Some(correspondence) = &pipeline.correspondence
             && let Err(error) = correspondence.check(pair)
         {

@@ -108,14 +108,7 @@ impl<'a> Elements<'a> {
         let system = FixedUnknowns::new(&assembly.finish(), &fixed, "the fit of the target to the markers")?;
         let total: f64 = self.mass.iter().sum();
         let share = self.mass.iter().map(|m| m / total * USUAL_VERTICES).collect();
-        Ok(System {
-            system,
-            rhs,
-            values: values.concat(),
-            share,
-            weight: 0.0,
-            x: vec![],
-        })
+        Ok(System { system, rhs, values: values.concat(), share, weight: 0.0, x: vec![] })
     }
 
     /// Number of triangles that have no element.

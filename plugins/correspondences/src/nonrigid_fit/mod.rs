@@ -144,7 +144,8 @@ impl NonrigidFit {
         let points = found(&fit);
 
         let mut figures = Figures::default();
-        let squares = fit.iter().zip(&points).filter_map(|(x, point)| Some((x - place(point.as_ref()?)).norm_squared()));
+        let squares =
+            fit.iter().zip(&points).filter_map(|(x, point)| Some((x - place(point.as_ref()?)).norm_squared()));
         let count = points.iter().flatten().count();
         figures.set("vertices_on_the_source", count);
         figures.set("rms_distance_percent", 100.0 * (squares.sum::<f64>() / count.max(1) as f64).sqrt());

@@ -48,7 +48,8 @@ impl Gap {
         for (t, corners) in target.triangles.iter().enumerate() {
             corners.iter().for_each(|&v| around[v as usize].push(t as u32));
         }
-        let point = |v: u32| map.points.get(v as usize).copied().flatten().or_else(|| corner(map, &around, target, source, v));
+        let point =
+            |v: u32| map.points.get(v as usize).copied().flatten().or_else(|| corner(map, &around, target, source, v));
         let knows = |v: u32| around[v as usize].iter().any(|&t| !is_orphan(t as usize));
         let gap = |ends: [u32; 2], stiffness: f64| {
             let at = |p: SurfacePoint| p.position(source, &source.positions);
@@ -64,7 +65,10 @@ impl Gap {
             }
         };
         let links = graph.links.iter();
-        links.flat_map(|link| link.pairs.iter().map(move |&ends| (ends, link.stiffness))).map(|(e, k)| gap(e, k)).collect()
+        links
+            .flat_map(|link| link.pairs.iter().map(move |&ends| (ends, link.stiffness)))
+            .map(|(e, k)| gap(e, k))
+            .collect()
     }
 
     /// The gap's vector when the source is at `posed` and target triangles take the gradients of `field`; `None` where only its

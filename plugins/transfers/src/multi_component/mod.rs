@@ -40,7 +40,9 @@ use self::{
     rigid::Rigid,
     system::{System, Weights},
 };
-use crate::{Placement, alignment::Alignment, field::Field, gradient::Sampling, loose::Loose, placement::BoundPlacement};
+use crate::{
+    Placement, alignment::Alignment, field::Field, gradient::Sampling, loose::Loose, placement::BoundPlacement,
+};
 
 register!(Transfer: MultiComponent);
 
@@ -123,7 +125,17 @@ impl Transfer for MultiComponent {
         figures.set("gaps", gaps.len());
         figures.set("rigid_components", rigid.count());
         let around = around(target);
-        Ok(Box::new(Bound { settings: self.clone(), field, gaps, system, rigid, placement, loose: Loose::new(target), around, figures }))
+        Ok(Box::new(Bound {
+            settings: self.clone(),
+            field,
+            gaps,
+            system,
+            rigid,
+            placement,
+            loose: Loose::new(target),
+            around,
+            figures,
+        }))
     }
 
     fn check(&self, pair: Pair<'_>) -> Result<()> {
@@ -236,7 +248,8 @@ impl Bound {
     fn gap_energy(&self, known: &[Option<Vector3<f64>>], positions: &[Point3<f64>]) -> f64 {
         let energy = |(gap, known): (&Gap, &Option<Vector3<f64>>)| {
             let now = positions[gap.ends[0] as usize] - positions[gap.ends[1] as usize];
-            gap.weight * known.map_or_else(|| (now.norm() - gap.rest.norm()).powi(2), |goal| (now - goal).norm_squared())
+            gap.weight
+                * known.map_or_else(|| (now.norm() - gap.rest.norm()).powi(2), |goal| (now - goal).norm_squared())
         };
         self.gaps.iter().zip(known).map(energy).sum()
     }

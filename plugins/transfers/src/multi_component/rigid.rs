@@ -77,7 +77,9 @@ impl Rigid {
             let covariance: Matrix3<f64> = body
                 .vertices
                 .iter()
-                .map(|&(v, m)| (positions[v as usize].coords - to) * (self.rest[v as usize].coords - from).transpose() * m)
+                .map(|&(v, m)| {
+                    (positions[v as usize].coords - to) * (self.rest[v as usize].coords - from).transpose() * m
+                })
                 .sum();
             if covariance.norm() == 0.0 {
                 continue;

@@ -84,7 +84,8 @@ impl System {
         for (t, gradient) in gradients.iter().enumerate() {
             let corners = &target.triangles[t];
             // The edges of every triangle are held a little, so that what no other term holds follows its neighbours.
-            let slight = tie(target, corners, if gradient.is_some() { SLIGHT_WEIGHT } else { DEGENERATE_WEIGHT }, &mut assembly);
+            let slight =
+                tie(target, corners, if gradient.is_some() { SLIGHT_WEIGHT } else { DEGENERATE_WEIGHT }, &mut assembly);
             pull.push(match gradient {
                 Some(Gradient { of_corners: g, area }) if !is_orphan(t) => {
                     let w = weights.gradient * area;

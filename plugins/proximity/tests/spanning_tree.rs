@@ -1,0 +1,159 @@
+//! The tree against brute force, and what settings do.
+
+use mimesh_core::{
+    mesh::{Mesh, Part, Surface},
+    stage::{ComponentRef, Proximity, ProximityGraph},
+    testkit::random::Random,
+};
+use mimesh_proximity::spanning_tree::SpanningTree;
+use nalgebra::Point3;
+use petgraph::{
+    algo::min_spanning_tree,
+    data::Element,
+    graph::{NodeIndex, UnGraph},
+};
+
+/// `count` small triangles or tetrahedra; on a grid of whole numbers if `ties`, so that many distances are equal.
+fn scattered(seed: u64, count: usize, ties: bool) -> Surface {
+    let mut random = Random::new(seed);
+    let (mut positions, mut triangles) = (Vec::new(), Vec::new());
+    for _ in 0..count {
+        let start = positions.len() as u32;
+        let mut place = random.vector() * 6.0;
+        if ties {
+            place = place.map(f64::round) * 3.0;
+        }
+        let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        positions.extend(corners.map(|c| Point3::from(c) + place));
+        triangles.extend([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]].map(|t: [u32; 3]| t.map(|v| v + start)));
+    }
+    Surface::from_triangles(positions, triangles).unwrap()
+}
+
+/// All distances between components, and the weight of petgraph's tree over them.
+fn brute_force(surface: &Surface) -> (Vec<Vec<f64>>, f64) {
+    let components = surface.components();
+    let n = components.count();
+    let mut distance = vec![vec![f64::INFINITY; n]; n];
+    for (i, p) in surface.positions.iter().enumerate() {
+        for (j, q) in surface.positions.iter().enumerate() {
+            if let (Some(a), Some(b)) = (components.of_vertex[i], components.of_vertex[j]) {
+                let d = &mut distance[a as usize][b as usize];
+                *d = d.min((p - q).norm());
+            }
+        }
+    }
+    let mut graph = UnGraph::<(), f64>::new_undirected();
+    for _ in 0..n {
+        graph.add_node(());
+    }
+    for (a, row) in distance.iter().enumerate() {
+        for (b, &d) in row.iter().enumerate().skip(a + 1) {
+            graph.add_edge(NodeIndex::new(a), NodeIndex::new(b), d);
+        }
+    }
+    let weight = min_spanning_tree(&graph)
+        .filter_map(|e| if let Element::Edge { weight, .. } = e { Some(weight) } else { None });
+    (distance.clone(), weight.sum())
+}
+
+fn links(graph: &ProximityGraph) -> Vec<[u32; 2]> {
+    graph.links.iter().map(|link| link.components).collect()
+}
+
+#[test]
+fn the_tree_is_that_of_brute_force_on_a_hundred_sets_ties_included() {
+    for seed in 0..100 {
+        let surface = scattered(seed, 5 + seed as usize % 40, seed % 2 == 0);
+        let (distance, weight) = brute_force(&surface);
+        let graph = SpanningTree { epsilon_factor: 0.0, ..SpanningTree::default() }.proximity(&surface).unwrap();
+        let tree: Vec<_> = graph.links.iter().filter(|link| link.in_tree).collect();
+        assert_eq!(tree.len() + 1, surface.components().count(), "{seed}");
+        let found: f64 = tree.iter().map(|link| link.distance).sum();
+        // Distances are compared as computed, the sums in another order.
+        assert!((found - weight).abs() < 1e-9 * weight.max(1.0), "{seed}: {found} and {weight}");
+        for link in &graph.links {
+            let [a, b] = link.components.map(|c| c as usize);
+            assert!((link.distance - distance[a][b]).abs() < 1e-12, "{seed}: link {a} {b}");
+        }
+    }
+}
+
+#[test]
+fn more_links_are_those_as_close_as_the_rule_says() {
+    for seed in 0..20 {
+        let surface = scattered(seed, 30, false);
+        let (distance, _) = brute_force(&surface);
+        let graph = SpanningTree::default().proximity(&surface).unwrap();
+        // The longest edge of every component is √2.
+        let epsilon = 1.5 * 2f64.sqrt();
+        let mut reach = [0.0f64; 30];
+        for link in graph.links.iter().filter(|link| link.in_tree) {
+            link.components.iter().for_each(|&c| reach[c as usize] = reach[c as usize].max(link.distance));
+        }
+        for a in 0..30u32 {
+            for b in a + 1..30 {
+                let d = distance[a as usize][b as usize];
+                let close = d <= reach[a as usize] + epsilon && d <= reach[b as usize] + epsilon;
+                assert_eq!(links(&graph).contains(&[a, b]), close, "{seed}: {a} {b}");
+            }
+        }
+    }
+}
+
+#[test]
+fn links_are_forbidden_added_and_welded_by_name_or_number() {
+    let bare = scattered(3, 4, false);
+    let mut mesh = Mesh::from_triangles(bare.positions.clone(), &bare.triangles);
+    mesh.parts = ["head", "jaw", "eye", "tooth"]
+        .into_iter()
+        .enumerate()
+        .map(|(k, name)| Part { object: Some(name.into()), polygons: 4 * k..4 * (k + 1), ..Part::default() })
+        .collect();
+    let surface = Surface::new(&mesh).unwrap();
+    let name = |name: &str| ComponentRef::Name(name.into());
+    let near = SpanningTree { epsilon_factor: 0.0, ..SpanningTree::default() };
+    let plain = near.proximity(&surface).unwrap();
+    let [a, b] = links(&plain)[0];
+
+    let forbidding = SpanningTree { forbid: vec![[ComponentRef::Number(b), ComponentRef::Number(a)]], ..near.clone() };
+    let graph = forbidding.proximity(&surface).unwrap();
+    assert!(!links(&graph).contains(&[a, b]) && graph.links.iter().filter(|link| link.in_tree).count() == 3);
+
+    let absent =
+        [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]].into_iter().find(|p| !links(&plain).contains(p)).unwrap();
+    let names = ["head", "jaw", "eye", "tooth"];
+    let asked = [name(names[absent[0] as usize]), name(names[absent[1] as usize])];
+    let graph = SpanningTree { weld: vec![asked.clone()], ..near.clone() }.proximity(&surface).unwrap();
+    let welded = graph.links.iter().find(|link| link.components == absent).expect("the welded link");
+    assert!(welded.stiffness > 1.0 && !welded.in_tree);
+    assert!(links(&SpanningTree { add: vec![asked], ..near.clone() }.proximity(&surface).unwrap()).contains(&absent));
+
+    let error =
+        SpanningTree { add: vec![[name("head"), name("haed")]], ..near.clone() }.proximity(&surface).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "the target has no component `haed`: expected 0 to 3, or a name; the mesh has parts head, jaw, eye, tooth"
+    );
+    let all = [[0, 1], [0, 2], [0, 3]].map(|[a, b]| [ComponentRef::Number(a), ComponentRef::Number(b)]);
+    let error = SpanningTree { forbid: all.to_vec(), ..near }.proximity(&surface).unwrap_err();
+    assert_eq!(error.to_string(), "forbidden links leave components without any tie to the rest");
+}
+
+#[test]
+fn pairs_are_capped_and_spread_over_the_gap() {
+    let bar = mimesh_core::testkit::meshes::bar([20, 2, 2], [4.0, 0.2, 0.2]);
+    let n = bar.vertex_count() as u32;
+    let mut positions = bar.positions.clone();
+    positions.extend(bar.positions.iter().map(|p| p + nalgebra::Vector3::new(0.0, 0.3, 0.0)));
+    let mut triangles = bar.triangles.clone();
+    triangles.extend(bar.triangles.iter().map(|t| t.map(|v| v + n)));
+    let surface = Surface::from_triangles(positions, triangles).unwrap();
+    let graph = SpanningTree { max_pairs: 10, ..SpanningTree::default() }.proximity(&surface).unwrap();
+    let pairs = &graph.links[0].pairs;
+    assert_eq!(pairs.len(), 10);
+    let xs: Vec<f64> = pairs.iter().map(|p| surface.positions[p[0] as usize].x).collect();
+    let (low, high) = xs.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(*x), h.max(*x)));
+    assert!(high - low > 3.9, "from one end to the other: {xs:?}");
+    assert_eq!(graph.figures.number("links_with_pairs_left_out"), Some(1.0));
+}

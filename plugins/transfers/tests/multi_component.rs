@@ -1,0 +1,203 @@
+//! What `multi_component` promises beyond the contract of a transfer.
+
+use mimesh_core::{
+    mesh::Surface,
+    stage::{ComponentRef, Link, Pair, ProximityGraph, Transfer, Transferred, TriangleMap},
+    testkit::{meshes, random::Random},
+};
+use mimesh_transfers::{
+    gradient::GradientTransfer,
+    multi_component::{Gaps, MultiComponent},
+};
+use nalgebra::{Point3, Rotation3, Vector3};
+
+/// `count` bars in a row along x, with gaps of 0.2.
+fn row(count: usize) -> Surface {
+    let bar = meshes::bar([4, 2, 2], [1.0, 0.5, 0.5]);
+    let n = bar.vertex_count() as u32;
+    let (mut positions, mut triangles) = (Vec::new(), Vec::new());
+    for k in 0..count {
+        let shift = Vector3::new(1.2 * k as f64 - 0.6 * (count - 1) as f64, 0.0, 0.0);
+        positions.extend(bar.positions.iter().map(|p| p + shift));
+        triangles.extend(bar.triangles.iter().map(|t| t.map(|v| v + k as u32 * n)));
+    }
+    Surface::from_triangles(positions, triangles).unwrap()
+}
+
+/// Links each bar with the next by the vertices of the ends that face each other.
+fn linked(surface: &Surface) -> ProximityGraph {
+    let components = surface.components();
+    let of = |c: u32| -> Vec<u32> {
+        (0..surface.vertex_count() as u32).filter(|&v| components.of_vertex[v as usize] == Some(c)).collect()
+    };
+    let near = |a: u32, b: u32| (surface.positions[a as usize] - surface.positions[b as usize]).norm() < 0.2001;
+    let link = |c: u32| {
+        let (left, right) = (of(c), of(c + 1));
+        let all = left.iter().flat_map(|&a| right.iter().map(move |&b| [a, b]));
+        let pairs: Vec<_> = all.filter(|&[a, b]| near(a, b)).collect();
+        assert!(pairs.len() >= 4, "the ends face each other");
+        Link { components: [c, c + 1], distance: 0.2, in_tree: true, stiffness: 1.0, pairs }
+    };
+    let count = components.count() as u32;
+    ProximityGraph {
+        components: surface.components(),
+        links: (0..count - 1).map(link).collect(),
+        figures: Default::default(),
+    }
+}
+
+fn identity_map(surface: &Surface) -> TriangleMap {
+    TriangleMap {
+        source_triangles: surface.triangle_count(),
+        partners: (0..surface.triangle_count() as u32).map(Some).collect(),
+        ..TriangleMap::default()
+    }
+}
+
+/// The map without the triangles of one component.
+fn without(surface: &Surface, component: u32) -> TriangleMap {
+    let components = surface.components();
+    let mut map = identity_map(surface);
+    for (partner, t) in map.partners.iter_mut().zip(&surface.triangles) {
+        *partner = partner.filter(|_| components.of_vertex[t[0] as usize] != Some(component));
+    }
+    map
+}
+
+fn run(stage: &MultiComponent, surface: &Surface, map: &TriangleMap, posed: &[Point3<f64>]) -> Transferred {
+    let graph = linked(surface);
+    let pair = Pair { source: surface, target: surface, markers: &[], proximity: Some(&graph) };
+    stage.bind(pair, map).unwrap().transfer(posed).unwrap()
+}
+
+fn bent(positions: &[Point3<f64>], angle: f64) -> Vec<Point3<f64>> {
+    positions.iter().map(|p| Rotation3::from_axis_angle(&Vector3::z_axis(), angle * p.x) * p).collect()
+}
+
+fn largest_distance(a: &[Point3<f64>], b: &[Point3<f64>]) -> f64 {
+    a.iter().zip(b).map(|(p, q)| (p - q).norm()).fold(0.0, f64::max)
+}
+
+/// Lengths of the edges of one component over those at rest: smallest and largest.
+fn stretch(surface: &Surface, component: u32, posed: &[Point3<f64>]) -> (f64, f64) {
+    let components = surface.components();
+    let of = surface.triangles.iter().filter(|t| components.of_vertex[t[0] as usize] == Some(component));
+    let ratios = of.flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]).map(|[i, j]| {
+        let length = |x: &[Point3<f64>]| (x[i as usize] - x[j as usize]).norm();
+        length(posed) / length(&surface.positions)
+    });
+    ratios.fold((f64::INFINITY, 0.0), |(low, high), r| (f64::min(low, r), f64::max(high, r)))
+}
+
+#[test]
+fn components_that_correspond_follow_the_source_exactly_when_they_are_the_source() {
+    let surface = row(4);
+    let pose = bent(&surface.positions, 0.3);
+    let result = run(&MultiComponent::default(), &surface, &identity_map(&surface), &pose);
+    assert!(largest_distance(&result.positions, &pose) < 1e-9 * surface.diagonal());
+    assert_eq!(result.figures.number("steps"), Some(1.0), "all gaps are known: one linear problem");
+}
+
+#[test]
+fn gaps_that_open_on_the_source_open_on_the_target_unless_lengths_are_kept() {
+    let surface = row(2);
+    let components = surface.components();
+    let pose: Vec<_> = surface
+        .positions
+        .iter()
+        .zip(&components.of_vertex)
+        .map(|(p, c)| p + Vector3::new(if *c == Some(1) { 0.5 } else { 0.0 }, 0.0, 0.0))
+        .collect();
+    let error = |gaps| {
+        let stage = MultiComponent { gaps, ..MultiComponent::default() };
+        largest_distance(&run(&stage, &surface, &identity_map(&surface), &pose).positions, &pose)
+    };
+    assert!(error(Gaps::Follow) < 1e-9);
+    // Half of the 0.5 on either side, the mean of all being held.
+    assert!((error(Gaps::Turn) - 0.25).abs() < 1e-6, "{}", error(Gaps::Turn));
+    assert!((error(Gaps::Length) - 0.25).abs() < 1e-6, "{}", error(Gaps::Length));
+}
+
+#[test]
+fn an_orphan_component_keeps_its_size_and_its_place_in_the_row() {
+    let surface = row(3);
+    let map = without(&surface, 1);
+    let turn = Random::new(4).rotation();
+    let turned: Vec<_> = surface.positions.iter().map(|p| turn * p).collect();
+    let result = run(&MultiComponent::default(), &surface, &map, &turned);
+    // All terms vanish at the turned row; steps end once one lowers the energy by less than 1e-4 of it.
+    assert!(largest_distance(&result.positions, &turned) < 1e-3, "{}", largest_distance(&result.positions, &turned));
+
+    let pose = bent(&surface.positions, 0.3);
+    let result = run(&MultiComponent::default(), &surface, &map, &pose);
+    let (low, high) = stretch(&surface, 1, &result.positions);
+    assert!(low > 0.8 && high < 1.25, "an orphan neither shrinks nor grows much: {low} to {high}");
+    let middle = |x: &[Point3<f64>]| {
+        let of = surface.components().of_vertex;
+        let inside = x.iter().zip(&of).filter(|(_, c)| **c == Some(1)).map(|(p, _)| p.coords);
+        inside.sum::<Vector3<f64>>() / of.iter().filter(|c| **c == Some(1)).count() as f64
+    };
+    let drift = (middle(&result.positions) - middle(&pose)).norm();
+    assert!(drift < 0.1, "the orphan stays between its neighbours: {drift} off, a bar being 1 long");
+}
+
+#[test]
+fn the_energy_never_rises_over_fifty_random_runs() {
+    for seed in 0..50 {
+        let mut random = Random::new(seed);
+        let mut surface = row(3);
+        surface.positions.iter_mut().for_each(|p| *p += random.vector() * 0.02);
+        let graph_of = row(3);
+        let graph = linked(&graph_of);
+        let pose: Vec<_> =
+            bent(&surface.positions, random.between(-0.6, 0.6)).iter().map(|p| p + random.vector() * 0.05).collect();
+        let map = without(&surface, random.index(3) as u32);
+        let gaps = [Gaps::Follow, Gaps::Turn, Gaps::Length][random.index(3)];
+        let energy = |max_steps| {
+            let stage = MultiComponent { gaps, max_steps, tolerance: 0.0, ..MultiComponent::default() };
+            let pair = Pair { source: &surface, target: &surface, markers: &[], proximity: Some(&graph) };
+            stage.bind(pair, &map).unwrap().transfer(&pose).unwrap().figures.number("energy").unwrap()
+        };
+        let energies: Vec<_> = (1..8).map(energy).collect();
+        for pair in energies.windows(2) {
+            // Rounding of a sum of a few hundred terms.
+            assert!(pair[1] <= pair[0] * (1.0 + 1e-9) + 1e-15, "{seed}: {energies:?}");
+        }
+    }
+}
+
+#[test]
+fn rigid_components_keep_every_length() {
+    let surface = row(3);
+    let pose = bent(&surface.positions, 0.5);
+    let stage = MultiComponent { rigid: vec![ComponentRef::Number(1)], ..MultiComponent::default() };
+    let result = run(&stage, &surface, &identity_map(&surface), &pose);
+    let (low, high) = stretch(&surface, 1, &result.positions);
+    assert!((low - 1.0).abs() < 1e-9 && (high - 1.0).abs() < 1e-9, "{low} to {high}");
+    let (low, high) = stretch(&surface, 0, &result.positions);
+    assert!(low < 0.99 || high > 1.01, "the others bend: {low} to {high}");
+}
+
+#[test]
+fn a_connected_target_moves_as_least_squares_gradient_does() {
+    let surface = meshes::bar([9, 3, 2], [3.0, 0.9, 0.7]);
+    let mut target = surface.clone();
+    target.positions.iter_mut().for_each(|p| *p = Point3::new(1.2 * p.x, 0.9 * p.y, p.z));
+    let pose = bent(&surface.positions, 0.4);
+    let map = identity_map(&surface);
+    let pair = Pair { source: &surface, target: &target, markers: &[], proximity: None };
+    let several = MultiComponent::default().bind(pair, &map).unwrap().transfer(&pose).unwrap();
+    let squares = GradientTransfer { reweightings: 0, ..GradientTransfer::default() };
+    let one = squares.bind(pair, &map).unwrap().transfer(&pose).unwrap();
+    // Edges are held by 1e-9 beside cotangents of about 1.
+    assert!(largest_distance(&several.positions, &one.positions) < 1e-7);
+}
+
+#[test]
+fn without_a_graph_several_components_are_refused_with_a_way_out() {
+    let surface = row(2);
+    let pair = Pair { source: &surface, target: &surface, markers: &[], proximity: None };
+    let error = MultiComponent::default().bind(pair, &identity_map(&surface)).unwrap_err();
+    assert_eq!(error.to_string(), "the target has 2 components and nothing says how they lie to each other");
+    assert!(error.hint().is_some_and(|hint| hint.contains("spanning_tree")));
+}
