@@ -20,6 +20,8 @@ pub struct Facing {
     search: ClosestPoint,
     /// Normals of any length; `None` for needles, whose deformation would be noise.
     normals: Vec<Option<Vector3<f64>>>,
+    /// How much nearer a point that faces away must be to be taken; `None` for never.
+    inner_depth: Option<f64>,
 }
 
 impl Facing {
@@ -31,12 +33,21 @@ impl Facing {
                 (relative_height(&corners) > NEEDLE).then(|| normal(&corners))
             })
             .collect();
-        Ok(Self { search: ClosestPoint::new(positions, triangles)?, normals })
+        Ok(Self { search: ClosestPoint::new(positions, triangles)?, normals, inner_depth: None })
+    }
+
+    /// Lets a point take the closest point whichever way it faces, where that is nearer by more than `depth`.
+    pub fn with_inner_sides(self, depth: f64) -> Self {
+        Self { inner_depth: Some(depth), ..self }
     }
 
     /// The closest valid point nearer than `limit`.
     pub fn find(&self, point: &Point3<f64>, normal: &Vector3<f64>, limit: f64) -> Option<OnSurface> {
-        self.search.find(point, limit, |t| self.normals[t as usize].is_some_and(|n| n.dot(normal) > 0.0))
+        let same_way = |t: u32| self.normals[t as usize].is_some_and(|n| n.dot(normal) > 0.0);
+        let found = self.search.find(point, limit, same_way);
+        let Some(depth) = self.inner_depth else { return found };
+        let reach = found.map_or(limit, |found| found.distance - depth);
+        self.search.find(point, reach, |t| self.normals[t as usize].is_some()).or(found)
     }
 
     /// For each vertex the closest valid point of the source nearer than `limit`.

@@ -227,3 +227,30 @@ fn a_file_that_is_no_correspondence_is_refused_with_its_name() {
     let missing = FromFile { path: "missing.json".into() };
     assert!(error_of(&missing, &sphere, &sphere, &[]).starts_with("missing.json: cannot read"));
 }
+
+#[test]
+fn inner_sides_of_parts_correspond_to_the_surface_they_lie_under() {
+    let source = meshes::bar([12, 2, 4], [3.0, 0.4, 0.5]);
+    let plate = meshes::bar([12, 1, 4], [3.0, 0.06, 0.5]);
+    let n = plate.vertex_count() as u32;
+    let lifted = |y: f64| plate.positions.iter().map(move |p| p + Vector3::new(0.0, y, 0.0));
+    let positions: Vec<_> = lifted(0.17).chain(lifted(-0.17)).collect();
+    let triangles = plate.triangles.iter().copied().chain(plate.triangles.iter().map(|t| t.map(|v| v + n))).collect();
+    let target = Surface::from_triangles(positions, triangles).unwrap();
+    let corner = |surface: &Surface, d: Vector3<f64>| {
+        let along = |v: &u32| surface.positions[*v as usize].coords.dot(&d);
+        SurfacePoint::Vertex((0..surface.vertex_count() as u32).max_by(|a, b| along(a).total_cmp(&along(b))).unwrap())
+    };
+    let directions = (0..8).map(|k| Vector3::from_fn(|i, _| if k >> i & 1 == 1 { 1.0 } else { -1.0 }));
+    let markers: Vec<_> = directions
+        .map(|d| Marker { name: format!("{d:?}"), source: corner(&source, d), target: corner(&target, d) })
+        .collect();
+    let pair = Pair { source: &source, target: &target, markers: &markers, proximity: None };
+    let map = NonrigidFit::default().correspond(pair).unwrap();
+    for (v, point) in map.points.iter().enumerate().filter(|(v, _)| target.positions[*v].x.abs() < 1.2) {
+        let y = point.expect("every vertex has a point").position(&source, &source.positions).y;
+        assert!(y * target.positions[v].y > 0.0, "vertex {v} at {} is on the other side, at {y}", target.positions[v]);
+    }
+    let without = NonrigidFit { inner_depth: f64::MAX, ..NonrigidFit::default() }.correspond(pair).unwrap();
+    assert!(without.points != map.points, "the setting does something");
+}

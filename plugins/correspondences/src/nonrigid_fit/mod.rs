@@ -14,7 +14,8 @@
 //! - E_I and E_C are means over the area, times the numbers of triangles and vertices of a usual mesh (40,000 and 20,000),
 //!   because E_S does not grow with the number of triangles either: so weights mean the same at any resolution, and a finely
 //!   meshed face does not outweigh a leg;
-//! - the search for closest points skips triangles that face away, instead of dropping vertices whose nearest point does;
+//! - the search for closest points skips triangles that face away, instead of dropping vertices whose nearest point does; inner
+//!   sides of the parts of a target of several components take the closest point whichever way it faces;
 //! - Zhou et al. print the rule for pairs the wrong way round (end of 2.2): here a triangle with a marker or a valid closest
 //!   point has a partner, and one without is an orphan;
 //! - beside partners of triangles, the map tells the source point under each vertex.
@@ -67,6 +68,11 @@ pub struct NonrigidFit {
     /// Closest points farther away than this are not valid, in diagonals of the target.
     #[schemars(range(min = 0.0))]
     pub max_distance: f64,
+    /// On targets of several components, a vertex whose valid point lies this much deeper than the closest point of all, in
+    /// diagonals of the target, is taken for an inner side, as of a plate or a stone: the source has none, and the vertex
+    /// takes the closest point whichever way it faces.
+    #[schemars(range(min = 0.0))]
+    pub inner_depth: f64,
     /// How source and target are turned to each other at rest.
     pub orientation: Orientation,
 }
@@ -80,6 +86,7 @@ impl Default for NonrigidFit {
             closest: [1.0, 5000.0],
             steps: 10,
             max_distance: 0.05,
+            inner_depth: 0.003,
             orientation: Orientation::Auto,
         }
     }
@@ -91,7 +98,10 @@ impl Correspondence for NonrigidFit {
         self.check(pair)?;
         let (source, target) = (pair.source, pair.target);
         let unit = UnitFrame::new(pair, self.orientation);
-        let facing = Facing::new(&unit.source, &source.triangles)?;
+        let mut facing = Facing::new(&unit.source, &source.triangles)?;
+        if target.components().count() > 1 {
+            facing = facing.with_inner_sides(self.inner_depth);
+        }
         let (fit, mut points, figures) = self.fit(pair, &unit, &facing)?;
         let mut valid: Vec<bool> = points.iter().map(Option::is_some).collect();
         for marker in pair.markers {
@@ -125,6 +135,7 @@ impl NonrigidFit {
         Error::check_setting("closest[0]", self.closest[0], 0.0, f64::INFINITY)?;
         Error::check_setting("closest[1]", self.closest[1], 0.0, f64::INFINITY)?;
         Error::check_setting("max_distance", self.max_distance, 0.0, f64::INFINITY)?;
+        Error::check_setting("inner_depth", self.inner_depth, 0.0, f64::INFINITY)?;
         Error::check_setting("steps", self.steps as f64, 0.0, 100.0)
     }
 

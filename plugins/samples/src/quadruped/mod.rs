@@ -1,7 +1,7 @@
 //! A procedural quadruped: horse, camel or giraffe, standing, walking or galloping.
 //!
-//! The surface is the zero set of smoothly joined limbs ([`body`], [`animals`]), made a mesh by marching tetrahedra
-//! ([`polygonise`]) and [`remesh`]ing; it moves with a [`gait`] by a rule ([`skin`]) whose rotations are the same for
+//! The surface is the zero set of smoothly joined limbs (`body`, `animals`), made a mesh by marching tetrahedra
+//! (`polygonise`) and `remesh`ing; it moves with a `gait` by a rule (`skin`) whose rotations are the same for
 //! every animal. So the poses of one animal are what a good transfer from another should give.
 
 mod animals;
