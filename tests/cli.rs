@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{Project, leaning};
+use common::{Project, cube, leaning};
 use mimesh::core::plugin;
 use serde_json::Value;
 
@@ -385,6 +385,33 @@ fn inspect_tells_counts_and_defects() {
     assert_eq!(described["statistics"]["vertices"], 8);
     assert_eq!(described["statistics"]["volume"], 6.0);
     assert_eq!(project.mimesh(&["inspect", "none.obj"]).status, 66);
+}
+
+#[test]
+fn inspect_lists_components_and_draws_their_graph() {
+    let project = Project::new();
+    let box_at = |x: f64, first: usize, name: &str| {
+        let text = cube(|[a, b, c]| [a + x, b, c]);
+        let shifted = text.lines().filter(|line| line.starts_with('f')).map(|line| {
+            let corners = line.split_whitespace().skip(1).map(|c| c.parse::<usize>().unwrap() + first);
+            format!("f {}\n", corners.map(|c| c.to_string()).collect::<Vec<_>>().join(" "))
+        });
+        let vertices: String =
+            text.lines().filter(|line| line.starts_with('v')).map(|line| format!("{line}\n")).collect();
+        vertices + &format!("o {name}\n") + &shifted.collect::<String>()
+    };
+    project.write("two.obj", &(box_at(0.0, 0, "left") + &box_at(1.5, 8, "right")));
+    let said = project.mimesh(&["inspect", "two.obj", "--components"]);
+    assert!(said.out.contains("  0         8  left: 1* 0.5000\n"), "{}", said.out);
+    assert!(said.out.contains("  1         8  right: 0* 0.5000\n"), "{}", said.out);
+    let drawn = project.mimesh(&["inspect", "two.obj", "--graphviz"]).out;
+    assert!(
+        drawn.starts_with("graph components {") && drawn.contains("0 -- 1 [label=\"0.5000\", style=solid];"),
+        "{drawn}"
+    );
+    let described = json(&project.mimesh(&["inspect", "two.obj", "--components", "--json"]).out);
+    assert_eq!(described["proximity"]["links"][0]["components"], serde_json::json!([0, 1]));
+    assert_eq!(project.mimesh(&["inspect", "two.obj", "--graphviz", "--json"]).status, 2);
 }
 
 #[test]

@@ -3,7 +3,9 @@ use std::path::PathBuf;
 use serde_json::{Value, json};
 
 use super::{
-    Ended, terminal,
+    Ended,
+    components::ComponentGraph,
+    terminal,
     text::{bytes, count, number, pairs, seconds, thousands},
 };
 use crate::{
@@ -20,6 +22,12 @@ pub struct Inspect {
     /// Print everything as JSON
     #[arg(long)]
     json: bool,
+    /// List the components: number, name, vertices, and which others lie close
+    #[arg(long)]
+    components: bool,
+    /// Print the graph of components for Graphviz: `mimesh inspect MESH --graphviz | dot -Tsvg > graph.svg`
+    #[arg(long, conflicts_with_all = ["json", "components"])]
+    graphviz: bool,
 }
 
 impl Inspect {
@@ -32,8 +40,18 @@ impl Inspect {
         let sequence = format.read(file).map_err(failed)?;
         let statistics = Statistics::new(&sequence.rest).map_err(failed)?;
         let size = std::fs::metadata(file).map(|metadata| metadata.len()).unwrap_or_default();
+        let graph = match self.components || self.graphviz {
+            true => Some(ComponentGraph::new(&sequence.rest).map_err(failed)?),
+            false => None,
+        };
         if self.json {
-            terminal::print_json(&as_json(file, size, &sequence, &statistics));
+            let mut all = as_json(file, size, &sequence, &statistics);
+            if let Some(graph) = &graph {
+                all["proximity"] = graph.json();
+            }
+            terminal::print_json(&all);
+        } else if let Some(graph) = graph {
+            terminal::print(&if self.graphviz { graph.graphviz() } else { graph.table() });
         } else {
             let kind = format.typetag_name();
             terminal::print(&page(&format!("{} ({kind}, {})\n", file.display(), bytes(size)), &sequence, &statistics));

@@ -2,6 +2,7 @@
 
 mod check;
 mod completions;
+mod components;
 mod inspect;
 mod list;
 mod progress;
