@@ -9,7 +9,7 @@ use mimesh::core::{
     mesh::{Mesh, Surface, SurfacePoint},
     plugin::instances,
     spatial::Similarity,
-    stage::{Correspondence, Format, Marker, Metric, MetricInput, Pair, Transfer},
+    stage::{Correspondence, Format, Marker, Metric, MetricInput, Pair, Proximity, Transfer},
 };
 use nalgebra::{Point3, Rotation3, Vector3};
 
@@ -28,6 +28,8 @@ struct Score {
     mean: f64,
     rms: f64,
     placed: f64,
+    /// The largest offset of any component in any pose; 0 for one component.
+    component: f64,
 }
 
 fn data() -> Option<PathBuf> {
@@ -96,14 +98,16 @@ fn run(case: &Case, transfer: &str) -> Score {
             target: SurfacePoint::Vertex(target.vertex_of[t as usize]),
         })
         .collect();
-    let pair = Pair { source: &case.source, target: &target, markers: &markers, proximity: None };
+    let tree: Box<dyn Proximity> = serde_json::from_str(r#"{ "type": "spanning_tree" }"#).unwrap();
+    let graph = (target.components().count() > 1).then(|| tree.proximity(&target).unwrap());
+    let pair = Pair { source: &case.source, target: &target, markers: &markers, proximity: graph.as_ref() };
     let fit: Box<dyn Correspondence> = serde_json::from_str(r#"{ "type": "nonrigid_fit" }"#).unwrap();
     let transfer: Box<dyn Transfer> = serde_json::from_str(transfer).unwrap();
     let map = fit.correspond(pair).unwrap();
     let bound = transfer.bind(pair, &map).unwrap();
     let metric: Box<dyn Metric> = serde_json::from_str(r#"{ "type": "point_error" }"#).unwrap();
     let count = case.poses.len() as f64;
-    let mut score = Score { mean: 0.0, rms: 0.0, placed: 0.0 };
+    let mut score = Score { mean: 0.0, rms: 0.0, placed: 0.0, component: 0.0 };
     for (pose, truth) in case.poses.iter().zip(&case.truth) {
         let posed = case.source.from_mesh(pose).unwrap();
         let result = target.to_mesh(&bound.transfer(&posed).unwrap().positions).unwrap();
@@ -112,11 +116,13 @@ fn run(case: &Case, transfer: &str) -> Score {
         score.mean += figure("mean") / count;
         score.rms += figure("rms").powi(2) / count;
         score.placed += figure("placed") / count;
+        score.component = score.component.max(figures.number("comp_max").unwrap_or(0.0));
     }
     score.rms = score.rms.sqrt();
     score
 }
 
+const PARTS: &str = r#"{ "type": "multi_component" }"#;
 const GRADIENT: &str = r#"{ "type": "gradient" }"#;
 
 #[test]
@@ -184,4 +190,81 @@ fn a_target_that_is_moved_turned_and_scaled_takes_the_poses_as_well() {
     let (a, b) = (run(&still, GRADIENT), run(&moved, GRADIENT));
     // Equal but for rounding; the bounding box of a quarter turn has the same diagonal.
     assert!((a.mean - b.mean).abs() < 1e-3 && (a.placed - b.placed).abs() < 1e-3, "{a:?} and {b:?}");
+}
+
+#[test]
+fn plates_of_a_body_move_as_one() {
+    let Some(data) = data() else { return };
+    for name in ["plates-child", "plates-heavy"] {
+        let score = run(&body(&data, name, 64), PARTS);
+        // Every other public program leaves the plates a quarter of the body's size off.
+        assert!(score.mean <= 0.6 && score.component <= 3.0, "{name}: {score:?}");
+    }
+}
+
+#[test]
+fn stones_shaped_like_a_camel_take_the_poses_of_the_horse() {
+    let Some(data) = data() else { return };
+    let (horse, stones) = (data.join("sumner-horse-poses"), data.join("pebble-camel"));
+    let text = std::fs::read_to_string(stones.join("nearest.json")).expect("nearest stones");
+    let json: serde_json::Value = serde_json::from_str(&text).expect("nearest stones in JSON");
+    let stone = |v: u32| json["surface_vertex_to_stone_vertex"][v as usize].as_u64().expect("a vertex") as u32;
+    let poses = [1, 3, 5, 8, 10];
+    let case = Case {
+        source: Surface::new(&read(&horse.join("horse-reference.obj"))).unwrap(),
+        poses: positions(poses.map(|k| horse.join(format!("horse-{k:02}.obj")))),
+        target: read(&stones.join("rest.obj")),
+        truth: positions(poses.map(|k| stones.join(format!("truth-camel-{k:02}.ply")))),
+        markers: pairs(&data.join("markers/horse_camel.cons")).into_iter().map(|(s, t)| (s, stone(t))).collect(),
+    };
+    let score = run(&case, PARTS);
+    assert!(score.mean <= 1.8 && score.component <= 6.0, "{score:?}");
+}
+
+#[test]
+fn heads_with_eyes_and_tongue_take_expressions_from_markers_on_the_skin() {
+    let Some(data) = data() else { return };
+    let bodies = data.join("bodies");
+    let source = Surface::new(&read(&bodies.join("face-source/rest.obj"))).unwrap();
+    let markers: Vec<_> = spread_over_the_largest_component(&source, 20).into_iter().map(|v| (v, v)).collect();
+    let names = [
+        "jawOpen",
+        "mouthSmileLeft",
+        "mouthPucker",
+        "eyeBlinkLeft",
+        "browInnerUp",
+        "cheekPuff",
+        "mouthFunnel",
+        "eyeLookOutLeft",
+    ];
+    for face in ["face-child", "face-heavy", "face-giant"] {
+        let case = Case {
+            source: source.clone(),
+            poses: positions(names.map(|n| bodies.join(format!("face-source/{n}.obj")))),
+            target: read(&bodies.join(face).join("rest.obj")),
+            truth: positions(names.map(|n| bodies.join(face).join(format!("truth-{n}.ply")))),
+            markers: markers.clone(),
+        };
+        let score = run(&case, PARTS);
+        assert!(score.mean <= 0.15, "{face}: {score:?}");
+    }
+}
+
+/// Vertices of the largest component, each the farthest from those before.
+fn spread_over_the_largest_component(surface: &Surface, count: usize) -> Vec<u32> {
+    let components = surface.components();
+    let largest = (0..components.count()).max_by_key(|&c| components.sizes[c]).map(|c| c as u32);
+    let skin: Vec<u32> =
+        (0..surface.vertex_count() as u32).filter(|&v| components.of_vertex[v as usize] == largest).collect();
+    let mut distance = vec![f64::INFINITY; skin.len()];
+    let mut chosen = vec![skin[0]];
+    while chosen.len() < count {
+        let last = surface.positions[chosen[chosen.len() - 1] as usize];
+        for (d, &v) in distance.iter_mut().zip(&skin) {
+            *d = d.min((surface.positions[v as usize] - last).norm());
+        }
+        let farthest = (0..skin.len()).max_by(|&a, &b| distance[a].total_cmp(&distance[b])).expect("vertices");
+        chosen.push(skin[farthest]);
+    }
+    chosen.into_iter().map(|v| surface.first_copy[v as usize]).collect()
 }
