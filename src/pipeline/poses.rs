@@ -151,8 +151,15 @@ impl Bench<'_> {
     }
 
     fn transfer(&self, posed: &[Point3<f64>]) -> Result<(Vec<Point3<f64>>, crate::core::Figures)> {
-        let posed = self.prepared.source.surface.from_mesh(posed)?;
-        let transferred = self.bound.transfer(&posed)?;
+        let surface = &self.prepared.source.surface;
+        let parted = surface.parted_copies(posed)?;
+        let mut transferred = self.bound.transfer(&surface.from_mesh(posed)?)?;
+        if parted > 0 {
+            transferred.figures.warn(format!(
+                "{parted} vertices of the source lie on a seam that is closed at rest and opens in this pose; it is taken for \
+                 closed: move the two sides apart a little in the rest mesh if they are to open"
+            ));
+        }
         let positions = self.prepared.target.surface.to_mesh(&transferred.positions)?;
         check_finite(&positions).map_err(|error| {
             let hint =

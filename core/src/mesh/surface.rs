@@ -170,6 +170,20 @@ impl Surface {
         Ok(self.first_copy.iter().map(|&v| positions[v as usize]).collect())
     }
 
+    /// How many vertices of the mesh lie elsewhere than the first copy they are welded to, by more than 1e-6 of the diagonal,
+    /// when the mesh is at `positions`: seams that open in a pose, whose opening is lost.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Shape`] if `positions` does not have as many entries as the mesh has vertices.
+    pub fn parted_copies(&self, positions: &[Point3<f64>]) -> Result<usize> {
+        Error::check_shape("vertices", self.vertex_of.len(), positions.len())?;
+        let limit = 1e-6 * self.diagonal();
+        let parted =
+            |(p, &v): (&Point3<f64>, &u32)| (p - positions[self.first_copy[v as usize] as usize]).norm() > limit;
+        Ok(positions.iter().zip(&self.vertex_of).filter(|&pair| parted(pair)).count())
+    }
+
     /// Positions of the mesh from positions of the surface (#V): every copy of a vertex gets the same.
     ///
     /// # Errors
@@ -229,5 +243,9 @@ mod tests {
         let back = surface.to_mesh(&moved).unwrap();
         assert_eq!(back, mesh.positions.iter().map(|p| p + Vector3::z()).collect::<Vec<_>>());
         assert_eq!(surface.from_mesh(&back).unwrap(), moved);
+        assert_eq!(surface.parted_copies(&back).unwrap(), 0);
+        let mut opened = back;
+        opened[4].z += 0.1;
+        assert_eq!(surface.parted_copies(&opened).unwrap(), 1);
     }
 }
