@@ -138,6 +138,15 @@ impl Surface {
         self.triangles[triangle].map(|v| positions[v as usize])
     }
 
+    /// The triangles around each vertex, #V lists in ascending order; a triangle with a repeated corner is listed twice there.
+    pub fn triangles_around(&self) -> Vec<Vec<u32>> {
+        let mut around = vec![Vec::new(); self.vertex_count()];
+        for (t, corners) in self.triangles.iter().enumerate() {
+            corners.iter().for_each(|&v| around[v as usize].push(t as u32));
+        }
+        around
+    }
+
     /// Twice the area of each triangle times its unit normal, #F × 3, when the vertices are at `positions`.
     pub fn area_normals(&self, positions: &[Point3<f64>]) -> Vec<Vector3<f64>> {
         self.triangles

@@ -196,10 +196,7 @@ fn by_vertices(target: &Surface, edges: &[[u32; 2]]) -> Vec<[u32; 2]> {
     if !alone.contains(&true) {
         return vec![];
     }
-    let mut around = vec![Vec::new(); target.vertex_count()];
-    for (t, corners) in target.triangles.iter().enumerate() {
-        corners.iter().for_each(|&v| around[v as usize].push(t as u32));
-    }
+    let around = target.triangles_around();
     let closest = |t: usize| {
         let others = target.triangles[t].iter().flat_map(|&v| &around[v as usize]).filter(|&&u| u as usize != t);
         let shared = |u: u32| target.triangles[t].iter().filter(|v| target.triangles[u as usize].contains(v)).count();

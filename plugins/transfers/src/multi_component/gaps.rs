@@ -44,10 +44,7 @@ impl Gap {
     pub fn all(pair: Pair<'_>, map: &TriangleMap, weight: f64, is_orphan: impl Fn(usize) -> bool) -> Vec<Self> {
         let Some(graph) = pair.proximity else { return vec![] };
         let (source, target) = (pair.source, pair.target);
-        let mut around = vec![Vec::new(); target.vertex_count()];
-        for (t, corners) in target.triangles.iter().enumerate() {
-            corners.iter().for_each(|&v| around[v as usize].push(t as u32));
-        }
+        let around = target.triangles_around();
         let point =
             |v: u32| map.points.get(v as usize).copied().flatten().or_else(|| corner(map, &around, target, source, v));
         let knows = |v: u32| around[v as usize].iter().any(|&t| !is_orphan(t as usize));

@@ -124,7 +124,7 @@ impl Transfer for MultiComponent {
         figures.set("orphan_triangles", field.counts()[2]);
         figures.set("gaps", gaps.len());
         figures.set("rigid_components", rigid.count());
-        let around = around(target);
+        let around = target.triangles_around();
         Ok(Box::new(Bound {
             settings: self.clone(),
             field,
@@ -161,19 +161,10 @@ impl Transfer for MultiComponent {
     }
 }
 
-/// Triangles around each vertex.
-fn around(target: &mimesh_core::mesh::Surface) -> Vec<Vec<u32>> {
-    let mut around = vec![Vec::new(); target.vertex_count()];
-    for (t, corners) in target.triangles.iter().enumerate() {
-        corners.iter().for_each(|&v| around[v as usize].push(t as u32));
-    }
-    around
-}
-
 /// Triangles at the ends of gaps, over which orphans continue their neighbours as a first guess.
 fn bridges(pair: Pair<'_>) -> Vec<[u32; 2]> {
     let Some(graph) = pair.proximity else { return vec![] };
-    let around = around(pair.target);
+    let around = pair.target.triangles_around();
     let bridge = |[i, j]: [u32; 2]| Some([*around[i as usize].first()?, *around[j as usize].first()?]);
     graph.pairs().filter_map(bridge).collect()
 }
