@@ -96,6 +96,7 @@ impl Default for NonrigidFit {
 impl Correspondence for NonrigidFit {
     fn correspond(&self, pair: Pair<'_>) -> Result<TriangleMap> {
         self.check(pair)?;
+        let pair = self.linked(pair);
         let (source, target) = (pair.source, pair.target);
         let unit = UnitFrame::new(pair, self.orientation);
         let mut facing = Facing::new(&unit.source, &source.triangles)?;
@@ -119,7 +120,7 @@ impl Correspondence for NonrigidFit {
 
     fn check(&self, pair: Pair<'_>) -> Result<()> {
         self.check_settings()?;
-        markers::check(pair)
+        markers::check(self.linked(pair))
     }
 
     fn markers_needed(&self) -> usize {
@@ -137,6 +138,11 @@ impl NonrigidFit {
         Error::check_setting("max_distance", self.max_distance, 0.0, f64::INFINITY)?;
         Error::check_setting("inner_depth", self.inner_depth, 0.0, f64::INFINITY)?;
         Error::check_setting("steps", self.steps as f64, 0.0, 100.0)
+    }
+
+    /// The pair without its proximity if that is not to count.
+    fn linked<'a>(&self, pair: Pair<'a>) -> Pair<'a> {
+        if self.proximity > 0.0 { pair } else { Pair { proximity: None, ..pair } }
     }
 
     /// The deformed target in the unit frame, and the valid source point that each of its vertices has come to lie at.

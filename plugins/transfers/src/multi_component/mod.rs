@@ -35,11 +35,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 pub use self::gaps::Gaps;
-use self::{
-    gaps::Gap,
-    rigid::Rigid,
-    system::{System, Weights},
-};
+use self::{gaps::Gap, rigid::Rigid, system::System};
 use crate::{
     Placement, alignment::Alignment, field::Field, gradient::Sampling, loose::Loose, placement::BoundPlacement,
 };
@@ -52,8 +48,8 @@ register!(Transfer: MultiComponent);
 #[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct MultiComponent {
-    /// w1 to w4 of the paper: deformation gradients, smoothness of orphans, gaps, details of orphan components.
-    pub weights: [f64; 4],
+    /// How the terms of the energy count against each other.
+    pub weights: Weights,
     /// What gaps keep.
     pub gaps: Gaps,
     /// Components that move rigidly, by number or by the name of an object, group or material, e.g. eyeballs and teeth.
@@ -75,7 +71,7 @@ pub struct MultiComponent {
 impl Default for MultiComponent {
     fn default() -> Self {
         Self {
-            weights: [1.0, 1.0, 0.1, 1.0],
+            weights: Weights::default(),
             gaps: Gaps::Follow,
             rigid: vec![],
             sampling: Sampling::Points,
@@ -84,6 +80,30 @@ impl Default for MultiComponent {
             placement: Placement::Motion,
             orientation: Orientation::Auto,
         }
+    }
+}
+
+/// How the terms of the energy count against each other; the defaults are the paper's.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema, Serialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Weights {
+    /// w1: deformation gradients of triangles that correspond.
+    #[schemars(range(min = 1e-12))]
+    pub gradient: f64,
+    /// w2: smoothness of orphan triangles.
+    #[schemars(range(min = 0.0))]
+    pub smoothness: f64,
+    /// w3: gaps between components, for each pair of vertices.
+    #[schemars(range(min = 1e-12))]
+    pub gaps: f64,
+    /// w4: Laplacian details of orphan components.
+    #[schemars(range(min = 0.0))]
+    pub details: f64,
+}
+
+impl Default for Weights {
+    fn default() -> Self {
+        Self { gradient: 1.0, smoothness: 1.0, gaps: 0.1, details: 1.0 }
     }
 }
 
@@ -97,7 +117,7 @@ impl Transfer for MultiComponent {
         let similarity = alignment.target_from_source;
         let bridges = bridges(pair);
         let field = Field::new(pair, map, similarity.rotation, self.sampling == Sampling::Points, &bridges)?;
-        let gaps = Gap::all(pair, map, self.weights[2], |t| field.is_orphan(t));
+        let gaps = Gap::all(pair, map, self.weights.gaps, |t| field.is_orphan(t));
 
         let components = target.components();
         let mut orphan_component = vec![true; components.count()];
@@ -106,15 +126,8 @@ impl Transfer for MultiComponent {
                 orphan_component[c as usize] = false;
             }
         }
-        let [gradient, smoothness, _, detail] = self.weights;
         let is_orphan_vertex = |v: u32| components.of_vertex[v as usize].is_some_and(|c| orphan_component[c as usize]);
-        let system = System::new(
-            target,
-            &gaps,
-            Weights { gradient, smoothness, detail },
-            |t| field.is_orphan(t),
-            is_orphan_vertex,
-        )?;
+        let system = System::new(target, &gaps, self.weights, |t| field.is_orphan(t), is_orphan_vertex)?;
         let rigid = Rigid::new(target, &self.rigid)?;
         let placement = self.placement.bind(pair, map, alignment)?;
 
@@ -139,11 +152,11 @@ impl Transfer for MultiComponent {
     }
 
     fn check(&self, pair: Pair<'_>) -> Result<()> {
-        for weight in self.weights {
-            Error::check_setting("weights", weight, 0.0, f64::INFINITY)?;
-        }
-        Error::check_setting("weights[0]", self.weights[0], 1e-12, f64::INFINITY)?;
-        Error::check_setting("weights[2]", self.weights[2], 1e-12, f64::INFINITY)?;
+        let Weights { gradient, smoothness, gaps, details } = self.weights;
+        Error::check_setting("weights.gradient", gradient, 1e-12, f64::INFINITY)?;
+        Error::check_setting("weights.smoothness", smoothness, 0.0, f64::INFINITY)?;
+        Error::check_setting("weights.gaps", gaps, 1e-12, f64::INFINITY)?;
+        Error::check_setting("weights.details", details, 0.0, f64::INFINITY)?;
         Error::check_setting("max_steps", self.max_steps as f64, 1.0, 10_000.0)?;
         Error::check_setting("tolerance", self.tolerance, 0.0, 1.0)?;
         let components = pair.target.components();

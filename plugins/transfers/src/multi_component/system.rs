@@ -9,21 +9,13 @@ use mimesh_core::{
 use nalgebra::{Matrix3, Point3, Vector3};
 use nalgebra_sparse::CscMatrix;
 
-use super::gaps::Gap;
+use super::{Weights, gaps::Gap};
 
 /// How strongly a triangle without area holds its edges, in units of cotangent weight.
 const DEGENERATE_WEIGHT: f64 = 1e-4;
 
 /// How strongly the edges of every triangle are held, too weakly to be felt where anything else holds them.
 const SLIGHT_WEIGHT: f64 = 1e-9;
-
-/// w1 to w4.
-#[derive(Clone, Copy, Debug)]
-pub struct Weights {
-    pub gradient: f64,
-    pub smoothness: f64,
-    pub detail: f64,
-}
 
 /// E1 + E2 + E3 + E4 with directions held: one matrix, factored once.
 #[derive(Debug)]
@@ -113,7 +105,7 @@ impl System {
         for gap in gaps {
             assembly.add_outer(&gap.ends, &[[1.0], [-1.0]], gap.weight);
         }
-        let detail = Detail::new(target, weights.detail, orphan_component, &mut assembly);
+        let detail = Detail::new(target, weights.details, orphan_component, &mut assembly);
         let mut used = vec![false; n];
         target.triangles.iter().flatten().for_each(|&v| used[v as usize] = true);
         let loose: Vec<u32> = (0..n as u32).filter(|&v| !used[v as usize]).collect();
