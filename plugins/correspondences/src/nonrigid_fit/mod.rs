@@ -2,11 +2,12 @@
 //!
 //! Minimises, over the deformed vertices x of the target,
 //!
-//! E = w_S E_S + w_I E_I + w_C E_C  subject to x = marker positions,
+//! E = w_S E_S + w_I E_I + w_C E_C + w_R E_R  subject to x = marker positions,
 //!
 //! E_S = Σ over adjacent triangles ‖F_a − F_b‖², E_I = Σ ‖F_a − I‖², E_C = Σ over vertices with a valid closest point
-//! ‖x_i − c_i‖² (Sumner and Popović 2004, eqs. 8–11; Zhou et al. 2010, eq. 3 without E_R), F being the deformation
-//! gradient with the fourth vertex, which stays an unknown here because F is compared between triangles of different planes.
+//! ‖x_i − c_i‖² (Sumner and Popović 2004, eqs. 8–11; Zhou et al. 2010, eq. 3), F being the deformation gradient with the
+//! fourth vertex, which stays an unknown here because F is compared between triangles of different planes. E_R (eq. 4, in
+//! `ties`) lets linked components follow each other, where the pair has a proximity graph.
 //!
 //! Departures from the papers:
 //! - the source is first brought to the place and size of the target by the similarity that the markers say, and both are
@@ -18,6 +19,7 @@
 //!   sides of the parts of a target of several components take the closest point whichever way it faces;
 //! - Zhou et al. print the rule for pairs the wrong way round (end of 2.2): here a triangle with a marker or a valid closest
 //!   point has a partner, and one without is an orphan;
+//! - E_R takes at most a dozen vertex pairs a link, and its weight w_R is a setting;
 //! - beside partners of triangles, the map tells the source point under each vertex.
 //!
 //! Cost: one symbolic and 1 + `steps` numeric factorisations of a matrix of #V + #F of the target.
@@ -46,7 +48,8 @@ register!(Correspondence: NonrigidFit);
 /// Deforms the target onto the source, guided by markers and closest points, and pairs triangles that then lie together
 /// (Sumner and Popović 2004; Zhou et al. 2010, section 2.2).
 ///
-/// For two shapes of any topology, with a dozen markers or more. Every component of the target needs a marker.
+/// For two shapes of any topology, with a dozen markers or more. Every component of the target needs a marker, or links by
+/// `proximity:` to one that has.
 #[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct NonrigidFit {
