@@ -29,10 +29,14 @@ pub use pipeline::Pipeline;
 /// registered.
 #[cfg(feature = "bundled")]
 mod bundled {
+    use mimesh_clusterers as _;
     use mimesh_correspondences as _;
+    use mimesh_deformers as _;
     use mimesh_formats as _;
     use mimesh_metrics as _;
     use mimesh_proximity as _;
+    use mimesh_samplers as _;
     use mimesh_samples as _;
     use mimesh_transfers as _;
+    use mimesh_weights as _;
 }

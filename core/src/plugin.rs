@@ -48,6 +48,12 @@ pub fn instances<S: StageKind + ?Sized>() -> Vec<(&'static str, Box<S>)> {
     all().into_iter().filter_map(|plugin| Some(((plugin.name)(), plugin.default_instance::<S>()?))).collect()
 }
 
+/// The registered implementation of stage `S` of that name with default settings: what a stage takes for another one that it
+/// needs, where the user names none. `None` if no such implementation is linked into the program.
+pub fn instance<S: StageKind + ?Sized>(name: &str) -> Option<Box<S>> {
+    all().into_iter().filter(|plugin| (plugin.name)() == name).find_map(Plugin::default_instance::<S>)
+}
+
 /// Registers an implementation: `register!(Transfer: Gradient);`, once, at the top of the file that implements it.
 ///
 /// The type needs `Default`, `Serialize`, `JsonSchema` and the trait with `#[typetag::serde(name = "…")]`.

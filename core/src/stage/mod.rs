@@ -4,22 +4,30 @@
 //! `correspond`, and the result is `Send + Sync` and serves every pose. The contract of a stage stands in its trait's doc
 //! comment; `testkit::contracts` (feature `testkit`) holds implementations to it.
 
+mod clusterer;
 mod component_ref;
 mod correspondence;
+mod deformer;
 mod format;
 mod metric;
 mod pair;
 mod proximity;
 mod sample;
+mod sampler;
 mod transfer;
 mod triangle_map;
+mod weights;
 
+pub use clusterer::{BoundClusterer, Clusterer, Regions};
 pub use component_ref::ComponentRef;
 pub use correspondence::Correspondence;
+pub use deformer::{BoundDeformer, Deformer, Fit, Skin};
 pub use format::{Format, MeshWriter, PoseWriter, SequenceFormat, SequenceWriter, WriteError, check_pose};
 pub use metric::{Metric, MetricInput};
 pub use pair::{Marker, Pair};
 pub use proximity::{Link, Proximity, ProximityGraph};
 pub use sample::Sample;
+pub use sampler::Sampler;
 pub use transfer::{BoundTransfer, Transfer, Transferred};
 pub use triangle_map::TriangleMap;
+pub use weights::{BoundWeights, HandleWeights, Weights};

@@ -1,0 +1,48 @@
+use std::fmt::Debug;
+
+use nalgebra::{DMatrix, Point3};
+
+use crate::{Figures, Result, mesh::Surface};
+
+/// Divides a surface into regions that move about rigidly.
+///
+/// [`bind`](Self::bind) does once what depends on the surface and its poses; the [`BoundClusterer`] then serves any weights.
+///
+/// # Contract
+///
+/// `testkit::contracts` holds implementations to this:
+/// - every vertex has a region, there are at most as many as handles, and none is empty;
+/// - equal inputs give equal regions, on one thread or many.
+#[typetag::serde(tag = "type")]
+pub trait Clusterer: Debug + Send + Sync {
+    /// Prepares for weights over `surface` with its `poses` (each #V).
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Setting`](crate::Error::Setting) for settings out of range, [`Error::Shape`](crate::Error::Shape) for poses of
+    /// another mesh.
+    fn bind(&self, surface: &Surface, poses: &[Vec<Point3<f64>>]) -> Result<Box<dyn BoundClusterer>>;
+}
+
+/// A clusterer bound to a surface and its poses.
+pub trait BoundClusterer: Debug + Send + Sync {
+    /// The regions for W (#V × #H), at most #H of them.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Shape`](crate::Error::Shape) if W has another number of rows.
+    fn cluster(&self, weights: &DMatrix<f64>) -> Result<Regions>;
+}
+
+crate::stage_kind!(Clusterer, "clusterer");
+
+/// Which region each vertex belongs to.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Regions {
+    /// #V numbers below [`count`](Self::count).
+    pub of_vertex: Vec<u32>,
+    /// Number of regions.
+    pub count: usize,
+    /// What was found.
+    pub figures: Figures,
+}

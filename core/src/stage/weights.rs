@@ -1,0 +1,62 @@
+use std::fmt::Debug;
+
+use nalgebra::DMatrix;
+
+use super::ProximityGraph;
+use crate::{
+    Figures, Result,
+    mesh::{Surface, SurfacePoint},
+};
+
+/// Spreads the influence of handles over a surface.
+///
+/// [`bind`](Self::bind) does once what depends on the surface and on all points that may become handles; the
+/// [`BoundWeights`] then serves any choice of them, as the search for key points needs.
+///
+/// # Contract
+///
+/// `testkit::contracts` holds implementations to this:
+/// - W is finite and #V × #H, and its rows sum to 1;
+/// - at its own point a handle has weight 1 and the others 0;
+/// - another order of the handles gives the same columns in that order;
+/// - equal inputs give equal weights, on one thread or many.
+#[typetag::serde(tag = "type")]
+pub trait Weights: Debug + Send + Sync {
+    /// Prepares for handles among `points`; where `proximity` is given, influence passes between the components it links.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Setting`](crate::Error::Setting) for settings out of range, [`Error::Data`](crate::Error::Data) for points that
+    /// are not on the surface.
+    fn bind(
+        &self,
+        surface: &Surface,
+        points: &[SurfacePoint],
+        proximity: Option<&ProximityGraph>,
+    ) -> Result<Box<dyn BoundWeights>>;
+}
+
+/// Weights bound to a surface and the points that may become handles.
+pub trait BoundWeights: Debug + Send + Sync {
+    /// The weights of the handles with these indices into the points of [`bind`](Weights::bind).
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Data`](crate::Error::Data) if there is no handle, if two are the same or lie on the same vertex, or if a
+    /// component is reached by none; it names them.
+    fn solve(&self, handles: &[usize]) -> Result<HandleWeights>;
+
+    /// What was found while binding.
+    fn figures(&self) -> Figures;
+}
+
+crate::stage_kind!(Weights, "weights");
+
+/// How much each handle moves each vertex.
+#[derive(Clone, Debug)]
+pub struct HandleWeights {
+    /// W, #V × #H.
+    pub matrix: DMatrix<f64>,
+    /// Energies, residuals and the like.
+    pub figures: Figures,
+}

@@ -1,0 +1,1 @@
+//! Clusterers: ways to divide a surface into regions that move about rigidly.

@@ -1,0 +1,1 @@
+//! Deformers: ways to find the maps of handles that bring a surface to a pose.

@@ -1,0 +1,1 @@
+//! Samplers: ways to spread points over a surface.

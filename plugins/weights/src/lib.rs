@@ -1,0 +1,1 @@
+//! Weights: ways to spread the influence of handles over a surface.
