@@ -15,9 +15,9 @@ use super::{
 };
 use crate::{
     core::{
-        Error, Result,
+        Error, Figures, Result,
         mesh::check_finite,
-        stage::{BoundTransfer, MeshWriter, MetricInput, SequenceWriter, WriteError},
+        stage::{BoundTransfer, MeshWriter, MetricInput, Motion, SequenceWriter, Transferred, WriteError},
     },
     mistake::{self, Mistake},
     status::Status,
@@ -51,6 +51,9 @@ pub struct Stream {
     pub warnings: Vec<String>,
 }
 
+/// The target's vertices in a pose, and what the transfer says of them.
+type Moved = (Vec<Point3<f64>>, Figures);
+
 /// What comes of one pose.
 struct Done {
     report: PoseReport,
@@ -69,15 +72,12 @@ impl Bench<'_> {
         let mut sequences = self.sequences()?;
         let chunk = rayon::current_num_threads() * POSES_PER_THREAD;
         let poses: Vec<(usize, &PoseInput)> = self.prepared.poses.iter().enumerate().collect();
+        let mut motion = self.bound.motion();
         for chunk in poses.chunks(chunk) {
-            let done: Vec<_> = chunk
-                .par_iter()
-                .map(|(i, pose)| {
-                    let done = self.pose(*i, pose);
-                    self.watch.pose_done();
-                    done
-                })
-                .collect();
+            let done: Vec<_> = match &mut motion {
+                None => chunk.par_iter().map(|(i, pose)| self.pose(*i, pose)).collect(),
+                Some(motion) => self.frames(chunk, motion.as_mut()),
+            };
             for ((_, pose), done) in chunk.iter().zip(done) {
                 match done {
                     Ok(done) => {
@@ -123,18 +123,59 @@ impl Bench<'_> {
         Ok(writers)
     }
 
+    /// A pose that stands alone.
     fn pose(&self, i: usize, pose: &PoseInput) -> std::result::Result<Done, Mistake> {
+        let moved = self.posed(pose).and_then(|posed| self.moved(pose, &posed, |posed| self.bound.transfer(posed)));
+        self.done(i, pose, moved)
+    }
+
+    /// Frames of one motion: read and written side by side, but transferred one after the other.
+    fn frames(
+        &self,
+        chunk: &[(usize, &PoseInput)],
+        motion: &mut dyn Motion,
+    ) -> Vec<std::result::Result<Done, Mistake>> {
+        let read: Vec<_> = chunk.par_iter().map(|(_, pose)| self.posed(pose)).collect();
+        let frame = |(&(i, pose), posed): (&(usize, &PoseInput), std::result::Result<Vec<_>, Mistake>)| {
+            self.moved(pose, &posed?, |posed| motion.frame(i, posed))
+        };
+        let moved: Vec<_> = chunk.iter().zip(read).map(frame).collect();
+        chunk.par_iter().zip(moved).map(|((i, pose), moved)| self.done(*i, pose, moved)).collect()
+    }
+
+    fn posed(&self, pose: &PoseInput) -> std::result::Result<Vec<Point3<f64>>, Mistake> {
         let file = if let PoseFrom::File(file) = &pose.from { Some(file.as_path()) } else { None };
-        let posed = self.read(&pose.from).map_err(|error| of_pose(&pose.name, file, None, error))?;
+        self.read(&pose.from).map_err(|error| of_pose(&pose.name, file, None, error))
+    }
+
+    fn moved(
+        &self,
+        pose: &PoseInput,
+        posed: &[Point3<f64>],
+        transfer: impl FnOnce(&[Point3<f64>]) -> Result<Transferred>,
+    ) -> std::result::Result<Moved, Mistake> {
         let doing = || Some(format!("transfer ({})", self.transfer));
-        let (positions, figures) = self.transfer(&posed).map_err(|error| of_pose(&pose.name, None, doing(), error))?;
-        let mut report = PoseReport { name: pose.name.clone(), figures, ..PoseReport::default() };
-        if let Err(error) = self.score(i, &positions, &mut report) {
-            // The result is good all the same.
-            report.figures.warn(format!("not scored: {error}"));
-        }
-        let files = self.write(i, &positions)?;
-        Ok(Done { report, positions, files })
+        self.transfer(posed, transfer).map_err(|error| of_pose(&pose.name, None, doing(), error))
+    }
+
+    /// Scores and writes pose `i`.
+    fn done(
+        &self,
+        i: usize,
+        pose: &PoseInput,
+        moved: std::result::Result<Moved, Mistake>,
+    ) -> std::result::Result<Done, Mistake> {
+        let done = moved.and_then(|(positions, figures)| {
+            let mut report = PoseReport { name: pose.name.clone(), figures, ..PoseReport::default() };
+            if let Err(error) = self.score(i, &positions, &mut report) {
+                // The result is good all the same.
+                report.figures.warn(format!("not scored: {error}"));
+            }
+            let files = self.write(i, &positions)?;
+            Ok(Done { report, positions, files })
+        });
+        self.watch.pose_done();
+        done
     }
 
     fn read(&self, from: &PoseFrom) -> Result<Vec<Point3<f64>>> {
@@ -150,10 +191,14 @@ impl Bench<'_> {
         Ok(positions)
     }
 
-    fn transfer(&self, posed: &[Point3<f64>]) -> Result<(Vec<Point3<f64>>, crate::core::Figures)> {
+    fn transfer(
+        &self,
+        posed: &[Point3<f64>],
+        transfer: impl FnOnce(&[Point3<f64>]) -> Result<Transferred>,
+    ) -> Result<Moved> {
         let surface = &self.prepared.source.surface;
         let parted = surface.parted_copies(posed)?;
-        let mut transferred = self.bound.transfer(&surface.from_mesh(posed)?)?;
+        let mut transferred = transfer(&surface.from_mesh(posed)?)?;
         if parted > 0 {
             transferred.figures.warn(format!(
                 "{parted} vertices of the source lie on a seam that is closed at rest and opens in this pose; it is taken for \

@@ -28,6 +28,6 @@ pub use pair::{Marker, Pair};
 pub use proximity::{Link, Proximity, ProximityGraph};
 pub use sample::Sample;
 pub use sampler::Sampler;
-pub use transfer::{BoundTransfer, Transfer, Transferred};
+pub use transfer::{BoundTransfer, Motion, Transfer, Transferred};
 pub use triangle_map::TriangleMap;
 pub use weights::{BoundWeights, HandleWeights, Weights};

@@ -46,8 +46,26 @@ pub trait BoundTransfer: Debug + Send + Sync {
     /// not finite.
     fn transfer(&self, posed: &[Point3<f64>]) -> Result<Transferred>;
 
+    /// A fresh start of a motion, for transfers that take poses as frames of one motion, each found from those before; `None`,
+    /// the default, for transfers whose poses stand alone.
+    fn motion(&self) -> Option<Box<dyn Motion + '_>> {
+        None
+    }
+
     /// What was found while binding.
     fn figures(&self) -> Figures;
+}
+
+/// A motion under way.
+pub trait Motion: Send {
+    /// The target at frame `frame` (from 0), when the source is at `posed` (#V of the source).
+    ///
+    /// Frames are asked for in order, each once; one that could not be read is left out.
+    ///
+    /// # Errors
+    ///
+    /// As [`BoundTransfer::transfer`]; the motion can go on with the frame after.
+    fn frame(&mut self, frame: usize, posed: &[Point3<f64>]) -> Result<Transferred>;
 }
 
 /// A posed target.

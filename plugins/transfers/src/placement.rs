@@ -100,6 +100,21 @@ impl BoundPlacement {
         target.iter_mut().for_each(|p| *p += shift);
     }
 
+    /// Moves the posed target on from where it was, at `target_before`, as the source moves from `source_before` to `posed`.
+    pub fn apply_since(
+        &self,
+        source_before: &[Point3<f64>],
+        target_before: &[Point3<f64>],
+        posed: &[Point3<f64>],
+        target: &mut [Point3<f64>],
+    ) {
+        let similarity = &self.alignment.target_from_source;
+        let way = self.source_mean(posed) - self.source_mean(source_before);
+        let goal = self.target_mean(target_before) + similarity.rotation * way * similarity.scale;
+        let shift = goal - self.target_mean(target);
+        target.iter_mut().for_each(|p| *p += shift);
+    }
+
     fn source_mean(&self, positions: &[Point3<f64>]) -> Vector3<f64> {
         mean(positions, &self.source_points).unwrap_or_else(|| self.alignment.source_mean(positions))
     }

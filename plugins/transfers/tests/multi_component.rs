@@ -7,7 +7,7 @@ use mimesh_core::{
 };
 use mimesh_transfers::{
     gradient::GradientTransfer,
-    multi_component::{Gaps, MultiComponent},
+    multi_component::{Gaps, MultiComponent, Plant},
 };
 use nalgebra::{Point3, Rotation3, Vector3};
 
@@ -200,4 +200,90 @@ fn without_a_graph_several_components_are_refused_with_a_way_out() {
     let error = MultiComponent::default().bind(pair, &identity_map(&surface)).unwrap_err();
     assert_eq!(error.to_string(), "the target has 2 components and nothing says how they lie to each other");
     assert!(error.hint().is_some_and(|hint| hint.contains("spanning_tree")));
+}
+
+/// A row that bends more with every frame and walks along x.
+fn walk(surface: &Surface, frames: usize) -> Vec<Vec<Point3<f64>>> {
+    let step = |k: usize| -> Vec<_> {
+        let walked = Vector3::new(0.3 * k as f64, 0.0, 0.1);
+        bent(&surface.positions, 0.05 * k as f64).iter().map(|p| p + walked).collect()
+    };
+    (0..frames).map(step).collect()
+}
+
+fn frames(
+    stage: &MultiComponent,
+    surface: &Surface,
+    map: &TriangleMap,
+    poses: &[Vec<Point3<f64>>],
+) -> Vec<Transferred> {
+    let graph = linked(surface);
+    let pair = Pair { source: surface, target: surface, markers: &[], proximity: Some(&graph) };
+    let bound = stage.bind(pair, map).unwrap();
+    let mut motion = bound.motion().expect("frames of one motion");
+    poses.iter().enumerate().map(|(k, pose)| motion.frame(k, pose).unwrap()).collect()
+}
+
+#[test]
+fn frames_that_start_from_the_one_before_end_lower_after_as_many_steps() {
+    let surface = row(3);
+    let map = without(&surface, 1);
+    let poses = walk(&surface, 20);
+    let energy = |all: &[Transferred]| -> f64 { all.iter().filter_map(|t| t.figures.number("energy")).sum() };
+    for max_steps in [3, 10] {
+        let stage = MultiComponent { sequence: true, tolerance: 0.0, max_steps, ..MultiComponent::default() };
+        let warm = frames(&stage, &surface, &map, &poses);
+        let cold: Vec<_> = poses.iter().map(|pose| run(&stage, &surface, &map, pose)).collect();
+        assert!(energy(&warm) < energy(&cold), "{} and {}", energy(&warm), energy(&cold));
+    }
+    let alone = MultiComponent::default();
+    let graph = linked(&surface);
+    let pair = Pair { source: &surface, target: &surface, markers: &[], proximity: Some(&graph) };
+    assert!(alone.bind(pair, &map).unwrap().motion().is_none(), "poses stand alone unless asked otherwise");
+}
+
+#[test]
+fn plants_stand_still_in_their_frames_and_the_target_walks_on_after_them() {
+    let surface = row(3);
+    let end = |x: f64| -> Vec<u32> {
+        (0..surface.vertex_count() as u32).filter(|&v| (surface.positions[v as usize].x - x).abs() < 1e-9).collect()
+    };
+    let (left, right) = (end(-1.7), end(1.7));
+    assert!(left.len() >= 4 && right.len() >= 4);
+    let mean = |vertices: &[u32], positions: &[Point3<f64>]| {
+        vertices.iter().map(|&v| positions[v as usize].coords).sum::<Vector3<f64>>() / vertices.len() as f64
+    };
+    let plant = |vertices: &[u32], frames| Plant { vertices: vertices.to_vec(), frames, ..Plant::default() };
+    let poses = walk(&surface, 8);
+    let stage =
+        MultiComponent { plants: vec![plant(&left, [1, 4]), plant(&right, [3, 5])], ..MultiComponent::default() };
+    let results = frames(&stage, &surface, &identity_map(&surface), &poses);
+    assert!(largest_distance(&results[0].positions, &poses[0]) < 1e-9, "no plant holds yet");
+    let at = |vertices: &[u32], k: usize| mean(vertices, &results[k].positions);
+    // A plant that holds alone is met exactly but for rounding, two together up to the ridge of 1e-9.
+    (2..=4).for_each(|k| assert!((at(&left, k) - at(&left, 1)).norm() < 1e-6, "left at {k}"));
+    (4..=5).for_each(|k| assert!((at(&right, k) - at(&right, 3)).norm() < 1e-6, "right at {k}"));
+    assert!((at(&left, 5) - at(&left, 4)).norm() > 1e-3, "the left one is free again");
+    let all: Vec<u32> = (0..surface.vertex_count() as u32).collect();
+    let way = at(&all, 7) - at(&all, 6);
+    let of_source = mean(&all, &poses[7]) - mean(&all, &poses[6]);
+    assert!((way - of_source).norm() < 0.02, "free of plants it walks as the source does: {way:?}, {of_source:?}");
+}
+
+#[test]
+fn plants_that_hold_nothing_are_refused_in_the_users_words() {
+    let surface = row(2);
+    let graph = linked(&surface);
+    let pair = Pair { source: &surface, target: &surface, markers: &[], proximity: Some(&graph) };
+    let refused = |plant: Plant| {
+        let stage = MultiComponent { plants: vec![plant], ..MultiComponent::default() };
+        stage.check(pair).unwrap_err().to_string()
+    };
+    assert!(refused(Plant::default()).contains("expected `vertices` or `markers` that stand still"));
+    let far = Plant { vertices: vec![100_000], ..Plant::default() };
+    assert!(refused(far).contains("found 100000"));
+    let backwards = Plant { vertices: vec![0], frames: [4, 2], ..Plant::default() };
+    assert!(refused(backwards).contains("found [4, 2]"));
+    let unknown = Plant { markers: vec!["hoof".into()], ..Plant::default() };
+    assert!(refused(unknown).contains("found hoof"));
 }

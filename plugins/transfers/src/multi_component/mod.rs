@@ -18,27 +18,23 @@
 //! density; E2 of orphans next to triangles that correspond uses those triangles' F̂, which is known; gaps follow the source where
 //! both ends correspond, because the paper's lengths fight intended relative motion; components can be rigid.
 
+mod bound;
 mod gaps;
+mod plants;
 mod rigid;
 mod system;
 
 use mimesh_core::{
-    Error, Figures, Result,
-    mesh::check_finite,
-    operators::polar,
-    register,
+    Error, Result, register,
     spatial::Orientation,
-    stage::{BoundTransfer, ComponentRef, Pair, Transfer, Transferred, TriangleMap},
+    stage::{BoundTransfer, ComponentRef, Pair, Transfer, TriangleMap},
 };
-use nalgebra::{Matrix3, Point3, Vector3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-pub use self::gaps::Gaps;
-use self::{gaps::Gap, rigid::Rigid, system::System};
-use crate::{
-    Placement, alignment::Alignment, field::Field, gradient::Sampling, loose::Loose, placement::BoundPlacement,
-};
+use self::{bound::Bound, gaps::Gap, plants::Plants, rigid::Rigid, system::System};
+pub use self::{gaps::Gaps, plants::Plant};
+use crate::{Placement, alignment::Alignment, field::Field, gradient::Sampling, loose::Loose};
 
 register!(Transfer: MultiComponent);
 
@@ -54,6 +50,11 @@ pub struct MultiComponent {
     pub gaps: Gaps,
     /// Components that move rigidly, by number or by the name of an object, group or material, e.g. eyeballs and teeth.
     pub rigid: Vec<ComponentRef>,
+    /// Whether poses are frames of one motion: the steps of each then start from the frame before, so that what gaps and
+    /// orphans leave open does not jump. Else every pose stands alone.
+    pub sequence: bool,
+    /// Feet that stand still for some frames; poses are then frames of one motion.
+    pub plants: Vec<Plant>,
     /// Where the deformation of a target triangle is taken from.
     pub sampling: Sampling,
     /// Most steps a pose; they are needed only for gaps of which the length alone is known, and for orphan components.
@@ -74,6 +75,8 @@ impl Default for MultiComponent {
             weights: Weights::default(),
             gaps: Gaps::Follow,
             rigid: vec![],
+            sequence: false,
+            plants: vec![],
             sampling: Sampling::Points,
             max_steps: 100,
             tolerance: 1e-4,
@@ -90,7 +93,7 @@ pub struct Weights {
     /// w1: deformation gradients of triangles that correspond.
     #[schemars(range(min = 1e-12))]
     pub gradient: f64,
-    /// w2: smoothness of orphan triangles.
+    /// w2: smoothness of orphan triangles. At 0 they hold their edges at rest, as weakly as will do.
     #[schemars(range(min = 0.0))]
     pub smoothness: f64,
     /// w3: gaps between components, for each pair of vertices.
@@ -117,7 +120,7 @@ impl Transfer for MultiComponent {
         let similarity = alignment.target_from_source;
         let bridges = bridges(pair);
         let field = Field::new(pair, map, similarity.rotation, self.sampling == Sampling::Points, &bridges)?;
-        let gaps = Gap::all(pair, map, self.weights.gaps, |t| field.is_orphan(t));
+        let gaps = Gap::all(pair, map, self.weights.gaps, |t| field.is_orphan(t))?;
 
         let components = target.components();
         let mut orphan_component = vec![true; components.count()];
@@ -130,12 +133,24 @@ impl Transfer for MultiComponent {
         let system = System::new(target, &gaps, self.weights, |t| field.is_orphan(t), is_orphan_vertex)?;
         let rigid = Rigid::new(target, &self.rigid)?;
         let placement = self.placement.bind(pair, map, alignment)?;
+        let plants = Plants::new(pair, &self.plants, &system)?;
 
         let mut figures = crate::gradient::figures(&similarity);
         figures.set("components", components.count());
-        figures.set("orphan_components", orphan_component.iter().filter(|o| **o).count());
+        let orphans: Vec<usize> = (0..orphan_component.len()).filter(|&c| orphan_component[c]).collect();
+        figures.set("orphan_components", orphans.len());
+        if !orphans.is_empty() {
+            figures.warn(format!(
+                "{} of {} components correspond to nothing on the source and only follow their neighbours: {}; give them \
+                 markers, or let the correspondence reach farther",
+                orphans.len(),
+                orphan_component.len(),
+                target.describe_components(&components, &orphans)
+            ));
+        }
         figures.set("orphan_triangles", field.counts()[2]);
         figures.set("gaps", gaps.len());
+        figures.set("gaps_of_known_length_only", gaps.iter().filter(|gap| gap.is_loose()).count());
         figures.set("rigid_components", rigid.count());
         let around = target.triangles_around();
         Ok(Box::new(Bound {
@@ -144,6 +159,7 @@ impl Transfer for MultiComponent {
             gaps,
             system,
             rigid,
+            plants,
             placement,
             loose: Loose::new(target),
             around,
@@ -163,6 +179,13 @@ impl Transfer for MultiComponent {
         for component in &self.rigid {
             component.resolve(pair.target, &components)?;
         }
+        Plants::check(pair, &self.plants)?;
+        if !self.plants.is_empty() && !matches!(self.placement, Placement::Motion | Placement::Markers) {
+            return Err(Error::data(
+                "`plants` and `placement` both say what stands still",
+                "leave out one of them: between plants, `placement: motion` or `placement: markers` moves the target",
+            ));
+        }
         match pair.proximity {
             Some(graph) => graph.check(pair.target),
             None if components.count() <= 1 => Ok(()),
@@ -180,93 +203,4 @@ fn bridges(pair: Pair<'_>) -> Vec<[u32; 2]> {
     let around = pair.target.triangles_around();
     let bridge = |[i, j]: [u32; 2]| Some([*around[i as usize].first()?, *around[j as usize].first()?]);
     graph.pairs().filter_map(bridge).collect()
-}
-
-#[derive(Debug)]
-struct Bound {
-    settings: MultiComponent,
-    field: Field,
-    gaps: Vec<Gap>,
-    system: System,
-    rigid: Rigid,
-    placement: BoundPlacement,
-    loose: Loose,
-    around: Vec<Vec<u32>>,
-    figures: Figures,
-}
-
-impl BoundTransfer for Bound {
-    fn transfer(&self, posed: &[Point3<f64>]) -> Result<Transferred> {
-        Error::check_shape("posed source vertices (#V)", self.field.source_vertices(), posed.len())?;
-        check_finite(posed)?;
-        let mut field = self.field.at(posed);
-        self.rigid.stiffen(&mut field);
-        let known: Vec<Option<Vector3<f64>>> = self.known_gaps(posed, &field);
-        let rhs = self.system.rhs(&field);
-
-        let mut vectors: Vec<_> =
-            self.gaps.iter().zip(&known).map(|(gap, known)| known.unwrap_or_else(|| gap.first_guess(&field))).collect();
-        let mut details = self.system.turned_details(|v| self.rotation(v, &field));
-        let mut energies = Vec::new();
-        let iterates = self.system.has_details() || known.iter().any(Option::is_none);
-        let mut positions;
-        loop {
-            let x = self.system.solve(&rhs, &self.gaps, &vectors, &details);
-            positions = self.system.positions(&x);
-            let energy = self.system.energy(&x, &field) + self.gap_energy(&known, &positions);
-            let settled = energies.last().is_some_and(|last| last - energy <= self.settings.tolerance * last);
-            energies.push(energy);
-            if !iterates || settled || energies.len() == self.settings.max_steps {
-                break;
-            }
-            for ((vector, gap), known) in vectors.iter_mut().zip(&self.gaps).zip(&known) {
-                if known.is_none() {
-                    *vector = with_length(gap, &positions, *vector);
-                }
-            }
-            details = self.system.details(&positions);
-        }
-        self.rigid.fit(&mut positions);
-        self.placement.apply(posed, &mut positions);
-        self.loose.place(|t| field[t], &mut positions);
-        check_finite(&positions)?;
-        let mut figures = Figures::default();
-        figures.set("steps", energies.len());
-        figures.set("energy", energies[energies.len() - 1]);
-        Ok(Transferred { positions, figures })
-    }
-
-    fn figures(&self) -> Figures {
-        self.figures.clone()
-    }
-}
-
-impl Bound {
-    fn known_gaps(&self, posed: &[Point3<f64>], field: &[Matrix3<f64>]) -> Vec<Option<Vector3<f64>>> {
-        let similarity = &self.placement.alignment.target_from_source;
-        let vector = |gap: &Gap| gap.vector(self.settings.gaps, self.field.source(), posed, field, similarity);
-        self.gaps.iter().map(vector).collect()
-    }
-
-    /// E3.
-    fn gap_energy(&self, known: &[Option<Vector3<f64>>], positions: &[Point3<f64>]) -> f64 {
-        let energy = |(gap, known): (&Gap, &Option<Vector3<f64>>)| {
-            let now = positions[gap.ends[0] as usize] - positions[gap.ends[1] as usize];
-            gap.weight
-                * known.map_or_else(|| (now.norm() - gap.rest.norm()).powi(2), |goal| (now - goal).norm_squared())
-        };
-        self.gaps.iter().zip(known).map(energy).sum()
-    }
-
-    /// How the surface around a vertex has turned.
-    fn rotation(&self, vertex: u32, field: &[Matrix3<f64>]) -> Matrix3<f64> {
-        let mean: Matrix3<f64> = self.around[vertex as usize].iter().map(|&t| field[t as usize]).sum();
-        if mean.norm() > 0.0 { polar(&mean).rotation } else { Matrix3::identity() }
-    }
-}
-
-/// The gap with the direction of now and the length at rest; as `before` if it has no direction.
-fn with_length(gap: &Gap, positions: &[Point3<f64>], before: Vector3<f64>) -> Vector3<f64> {
-    let now = positions[gap.ends[0] as usize] - positions[gap.ends[1] as usize];
-    now.try_normalize(1e-300).map_or(before, |direction| direction * gap.rest.norm())
 }

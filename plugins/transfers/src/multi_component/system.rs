@@ -162,6 +162,17 @@ impl System {
         x
     }
 
+    /// How the unknowns of one coordinate answer to a pull at the mean of `points` (vertices with weights that sum to 1).
+    ///
+    /// Nothing but the anchor resists a pull as a whole, so that every answer has a translation of 1; it cancels among pulls
+    /// that sum to 0.
+    pub fn response(&self, points: &[(u32, f64)]) -> Vec<f64> {
+        let mut x = vec![0.0; self.unknowns];
+        points.iter().for_each(|&(v, weight)| x[v as usize] += weight);
+        self.cholesky.solve_in_place(&mut x, 1);
+        x
+    }
+
     /// The vertices of a solution.
     pub fn positions(&self, x: &[f64]) -> Vec<Point3<f64>> {
         let n = self.unknowns;

@@ -1,0 +1,168 @@
+//! A target of many components bound to a source, and its motion frame by frame.
+
+use mimesh_core::{
+    Error, Figures, Result,
+    mesh::check_finite,
+    operators::polar,
+    stage::{BoundTransfer, Motion, Transferred},
+};
+use nalgebra::{Matrix3, Point3, Vector3};
+
+use super::{MultiComponent, gaps::Gap, plants::Plants, rigid::Rigid, system::System};
+use crate::{field::Field, loose::Loose, placement::BoundPlacement};
+
+#[derive(Debug)]
+pub struct Bound {
+    pub settings: MultiComponent,
+    pub field: Field,
+    pub gaps: Vec<Gap>,
+    pub system: System,
+    pub rigid: Rigid,
+    pub plants: Plants,
+    pub placement: BoundPlacement,
+    pub loose: Loose,
+    pub around: Vec<Vec<u32>>,
+    pub figures: Figures,
+}
+
+impl BoundTransfer for Bound {
+    fn transfer(&self, posed: &[Point3<f64>]) -> Result<Transferred> {
+        self.solve(posed, None, &[], |positions| self.placement.apply(posed, positions))
+    }
+
+    fn motion(&self) -> Option<Box<dyn Motion + '_>> {
+        let is_one = self.settings.sequence || !self.plants.is_empty();
+        is_one.then(|| Box::new(Frames { bound: self, before: None, planted: vec![None; self.plants.len()] }) as _)
+    }
+
+    fn figures(&self) -> Figures {
+        self.figures.clone()
+    }
+}
+
+/// The motion under way.
+struct Frames<'a> {
+    bound: &'a Bound,
+    /// Source and target at the frame before.
+    before: Option<[Vec<Point3<f64>>; 2]>,
+    /// Where each plant stands, once its first frame is done.
+    planted: Vec<Option<Vector3<f64>>>,
+}
+
+impl Motion for Frames<'_> {
+    fn frame(&mut self, frame: usize, posed: &[Point3<f64>]) -> Result<Transferred> {
+        let (bound, before, planted) = (self.bound, &self.before, &mut self.planted);
+        let goals: Vec<_> = bound.plants.at(frame).filter_map(|k| Some((k, planted[k]?))).collect();
+        let start = before.as_ref().filter(|_| bound.settings.sequence).map(|[_, target]| target.as_slice());
+        let place = |positions: &mut [Point3<f64>]| match before {
+            _ if !goals.is_empty() => {
+                // What is rigid was moved after plants were met.
+                let off = |&(k, goal): &(usize, Vector3<f64>)| bound.plants.place(k, positions) - goal;
+                let shift = goals.iter().map(off).sum::<Vector3<f64>>() / goals.len() as f64;
+                positions.iter_mut().for_each(|p| *p -= shift);
+            }
+            // Plants have moved the target away from where the source alone would have it; it goes on from there.
+            Some([source, target]) if !bound.plants.is_empty() => {
+                bound.placement.apply_since(source, target, posed, positions);
+            }
+            _ => bound.placement.apply(posed, positions),
+        };
+        let transferred = bound.solve(posed, start, &goals, place)?;
+        for k in bound.plants.at(frame) {
+            planted[k].get_or_insert_with(|| bound.plants.place(k, &transferred.positions));
+        }
+        self.before = Some([posed.to_vec(), transferred.positions.clone()]);
+        Ok(transferred)
+    }
+}
+
+impl Bound {
+    /// The target when the source is at `posed`, the steps starting from `start`, plants held at `goals`, and put in its place
+    /// by `place`.
+    fn solve(
+        &self,
+        posed: &[Point3<f64>],
+        start: Option<&[Point3<f64>]>,
+        goals: &[(usize, Vector3<f64>)],
+        place: impl FnOnce(&mut [Point3<f64>]),
+    ) -> Result<Transferred> {
+        Error::check_shape("posed source vertices (#V)", self.field.source_vertices(), posed.len())?;
+        check_finite(posed)?;
+        let mut field = self.field.at(posed);
+        if self.settings.weights.smoothness == 0.0 {
+            // Continuing their neighbours is E2 as well.
+            (0..field.len()).filter(|&t| self.field.is_orphan(t)).for_each(|t| field[t] = Matrix3::identity());
+        }
+        self.rigid.stiffen(&mut field);
+        let known: Vec<Option<Vector3<f64>>> = self.known_gaps(posed, &field);
+        let rhs = self.system.rhs(&field);
+
+        let first_guess = |gap: &Gap| {
+            let guess = gap.first_guess(&field);
+            start.map_or(guess, |start| with_length(gap, start, guess))
+        };
+        let mut vectors: Vec<_> =
+            self.gaps.iter().zip(&known).map(|(gap, known)| known.unwrap_or_else(|| first_guess(gap))).collect();
+        let mut details = match start {
+            Some(start) => self.system.details(start),
+            None => self.system.turned_details(|v| self.rotation(v, &field)),
+        };
+        let mut energies = Vec::new();
+        let iterates = self.system.has_details() || known.iter().any(Option::is_none);
+        let mut positions;
+        loop {
+            let mut x = self.system.solve(&rhs, &self.gaps, &vectors, &details);
+            let shift = if goals.is_empty() { None } else { Some(self.plants.hold(goals, &self.system, &mut x)) };
+            positions = self.system.positions(&x);
+            positions.iter_mut().for_each(|p| *p += shift.unwrap_or_default());
+            let energy = self.system.energy(&x, &field) + self.gap_energy(&known, &positions);
+            let settled = energies.last().is_some_and(|last| last - energy <= self.settings.tolerance * last);
+            energies.push(energy);
+            if !iterates || settled || energies.len() == self.settings.max_steps {
+                break;
+            }
+            for ((vector, gap), known) in vectors.iter_mut().zip(&self.gaps).zip(&known) {
+                if known.is_none() {
+                    *vector = with_length(gap, &positions, *vector);
+                }
+            }
+            details = self.system.details(&positions);
+        }
+        self.rigid.fit(&mut positions);
+        place(&mut positions);
+        self.loose.place(|t| field[t], &mut positions);
+        check_finite(&positions)?;
+        let mut figures = Figures::default();
+        figures.set("steps", energies.len());
+        figures.set("energy", energies[energies.len() - 1]);
+        Ok(Transferred { positions, figures })
+    }
+
+    fn known_gaps(&self, posed: &[Point3<f64>], field: &[Matrix3<f64>]) -> Vec<Option<Vector3<f64>>> {
+        let similarity = &self.placement.alignment.target_from_source;
+        let vector = |gap: &Gap| gap.vector(self.settings.gaps, self.field.source(), posed, field, similarity);
+        self.gaps.iter().map(vector).collect()
+    }
+
+    /// E3.
+    fn gap_energy(&self, known: &[Option<Vector3<f64>>], positions: &[Point3<f64>]) -> f64 {
+        let energy = |(gap, known): (&Gap, &Option<Vector3<f64>>)| {
+            let now = positions[gap.ends[0] as usize] - positions[gap.ends[1] as usize];
+            gap.weight
+                * known.map_or_else(|| (now.norm() - gap.rest.norm()).powi(2), |goal| (now - goal).norm_squared())
+        };
+        self.gaps.iter().zip(known).map(energy).sum()
+    }
+
+    /// How the surface around a vertex has turned.
+    fn rotation(&self, vertex: u32, field: &[Matrix3<f64>]) -> Matrix3<f64> {
+        let mean: Matrix3<f64> = self.around[vertex as usize].iter().map(|&t| field[t as usize]).sum();
+        if mean.norm() > 0.0 { polar(&mean).rotation } else { Matrix3::identity() }
+    }
+}
+
+/// The gap with the direction of now and the length at rest; as `before` if it has no direction.
+fn with_length(gap: &Gap, positions: &[Point3<f64>], before: Vector3<f64>) -> Vector3<f64> {
+    let now = positions[gap.ends[0] as usize] - positions[gap.ends[1] as usize];
+    now.try_normalize(1e-300).map_or(before, |direction| direction * gap.rest.norm())
+}
