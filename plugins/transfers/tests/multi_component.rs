@@ -7,7 +7,7 @@ use mimesh_core::{
 };
 use mimesh_transfers::{
     gradient::GradientTransfer,
-    multi_component::{Gaps, MultiComponent, Plant},
+    multi_component::{Gaps, MultiComponent, Orphans, Plant},
 };
 use nalgebra::{Point3, Rotation3, Vector3};
 
@@ -124,21 +124,42 @@ fn an_orphan_component_keeps_its_size_and_its_place_in_the_row() {
     let map = without(&surface, 1);
     let turn = Random::new(4).rotation();
     let turned: Vec<_> = surface.positions.iter().map(|p| turn * p).collect();
-    let result = run(&MultiComponent::default(), &surface, &map, &turned);
-    // All terms vanish at the turned row; steps end once one lowers the energy by less than 1e-4 of it.
-    assert!(largest_distance(&result.positions, &turned) < 1e-3, "{}", largest_distance(&result.positions, &turned));
-
     let pose = bent(&surface.positions, 0.3);
-    let result = run(&MultiComponent::default(), &surface, &map, &pose);
-    let (low, high) = stretch(&surface, 1, &result.positions);
-    assert!(low > 0.8 && high < 1.25, "an orphan neither shrinks nor grows much: {low} to {high}");
     let middle = |x: &[Point3<f64>]| {
         let of = surface.components().of_vertex;
         let inside = x.iter().zip(&of).filter(|(_, c)| **c == Some(1)).map(|(p, _)| p.coords);
         inside.sum::<Vector3<f64>>() / of.iter().filter(|c| **c == Some(1)).count() as f64
     };
-    let drift = (middle(&result.positions) - middle(&pose)).norm();
-    assert!(drift < 0.1, "the orphan stays between its neighbours: {drift} off, a bar being 1 long");
+    for (orphans, low, high) in [(Orphans::Rigid, 1.0 - 1e-9, 1.0 + 1e-9), (Orphans::Soft, 0.8, 1.25)] {
+        let stage = MultiComponent { orphans, ..MultiComponent::default() };
+        let result = run(&stage, &surface, &map, &turned);
+        // All terms vanish at the turned row; steps end once one lowers the energy by less than 1e-4 of it.
+        let distance = largest_distance(&result.positions, &turned);
+        assert!(distance < 1e-3, "{orphans:?}: {distance}");
+
+        let result = run(&stage, &surface, &map, &pose);
+        let (least, most) = stretch(&surface, 1, &result.positions);
+        assert!(least > low && most < high, "{orphans:?} neither shrinks nor grows: {least} to {most}");
+        let drift = (middle(&result.positions) - middle(&pose)).norm();
+        assert!(drift < 0.1, "{orphans:?} stays between its neighbours: {drift} off, a bar being 1 long");
+        assert!(result.figures.warnings.is_empty());
+    }
+}
+
+#[test]
+fn orphan_components_are_counted_and_named() {
+    let mut surface = row(3);
+    surface.part_names = vec!["head".into(), "hat".into(), "body".into()];
+    let components = surface.components();
+    surface.part_of = surface.triangles.iter().map(|t| components.of_vertex[t[0] as usize].unwrap_or(0)).collect();
+    let graph = linked(&surface);
+    let pair = Pair { source: &surface, target: &surface, markers: &[], proximity: Some(&graph) };
+    let figures = MultiComponent::default().bind(pair, &without(&surface, 1)).unwrap().figures();
+    assert_eq!(figures.number("orphan_components"), Some(1.0));
+    let triangles = surface.triangle_count() as f64 / 3.0;
+    assert_eq!(figures.number("orphan_triangles"), Some(triangles));
+    assert!(figures.warnings[0].starts_with("1 of 3 components correspond to nothing"), "{:?}", figures.warnings);
+    assert!(figures.warnings[0].contains("hat ("), "{:?}", figures.warnings);
 }
 
 #[test]

@@ -16,7 +16,8 @@
 //!
 //! Departures: triangles count by area (A), so that all terms are squared lengths and weights mean the same at any size and
 //! density; E2 of orphans next to triangles that correspond uses those triangles' F̂, which is known; gaps follow the source where
-//! both ends correspond, because the paper's lengths fight intended relative motion; components can be rigid.
+//! both ends correspond, because the paper's lengths fight intended relative motion; components can be rigid, and orphans are
+//! unless asked otherwise.
 
 mod bound;
 mod gaps;
@@ -50,6 +51,8 @@ pub struct MultiComponent {
     pub gaps: Gaps,
     /// Components that move rigidly, by number or by the name of an object, group or material, e.g. eyeballs and teeth.
     pub rigid: Vec<ComponentRef>,
+    /// What becomes of components that correspond to nothing.
+    pub orphans: Orphans,
     /// Whether poses are frames of one motion: the steps of each then start from the frame before, so that what gaps and
     /// orphans leave open does not jump. Else every pose stands alone.
     pub sequence: bool,
@@ -75,6 +78,7 @@ impl Default for MultiComponent {
             weights: Weights::default(),
             gaps: Gaps::Follow,
             rigid: vec![],
+            orphans: Orphans::Rigid,
             sequence: false,
             plants: vec![],
             sampling: Sampling::Points,
@@ -84,6 +88,17 @@ impl Default for MultiComponent {
             orientation: Orientation::Auto,
         }
     }
+}
+
+/// What becomes of a component that corresponds to nothing, so that only its gaps move it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Orphans {
+    /// It moves rigidly, as its gaps have it: nothing says how it should bend.
+    #[default]
+    Rigid,
+    /// It bends and stretches between its gaps as E2 and E4 allow, as in the paper.
+    Soft,
 }
 
 /// How the terms of the energy count against each other; the defaults are the paper's.
@@ -131,13 +146,14 @@ impl Transfer for MultiComponent {
         }
         let is_orphan_vertex = |v: u32| components.of_vertex[v as usize].is_some_and(|c| orphan_component[c as usize]);
         let system = System::new(target, &gaps, self.weights, |t| field.is_orphan(t), is_orphan_vertex)?;
-        let rigid = Rigid::new(target, &self.rigid)?;
+        let orphans: Vec<usize> = (0..orphan_component.len()).filter(|&c| orphan_component[c]).collect();
+        let stiff: &[usize] = if self.orphans == Orphans::Rigid { &orphans } else { &[] };
+        let rigid = Rigid::new(target, &self.rigid, stiff)?;
         let placement = self.placement.bind(pair, map, alignment)?;
         let plants = Plants::new(pair, &self.plants, &system)?;
 
         let mut figures = crate::gradient::figures(&similarity);
         figures.set("components", components.count());
-        let orphans: Vec<usize> = (0..orphan_component.len()).filter(|&c| orphan_component[c]).collect();
         figures.set("orphan_components", orphans.len());
         if !orphans.is_empty() {
             figures.warn(format!(

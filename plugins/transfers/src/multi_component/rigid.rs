@@ -24,9 +24,10 @@ struct Body {
 }
 
 impl Rigid {
-    pub fn new(target: &Surface, which: &[ComponentRef]) -> Result<Self> {
+    /// The components that the user names, and `others` by number.
+    pub fn new(target: &Surface, which: &[ComponentRef], others: &[usize]) -> Result<Self> {
         let components = target.components();
-        let mut chosen = Vec::new();
+        let mut chosen: Vec<u32> = others.iter().map(|&c| c as u32).collect();
         for component in which {
             chosen.extend(component.resolve(target, &components)?);
         }
