@@ -4,30 +4,31 @@
 use std::{fmt::Write, fs, path::Path, time::Instant};
 
 use mimesh_core::{mesh::Mesh, stage::Sample};
-use mimesh_samples::quadruped::{Gait, Proportions, Quadruped};
+use mimesh_samples::quadruped::{Gait, MadeOf, Proportions, Quadruped};
 use nalgebra::Point3;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let folder = std::env::args().nth(1).ok_or("name a folder")?;
-    for (name, proportions) in
-        [("horse", Proportions::Horse), ("camel", Proportions::Camel), ("giraffe", Proportions::Giraffe)]
-    {
-        for gait in [Gait::Gallop, Gait::Walk] {
-            let start = Instant::now();
-            let animal = Quadruped { proportions, gait, ..Quadruped::default() }.make()?;
-            let count = animal.rest.positions.len();
-            println!(
-                "{name} {gait:?}: {count} vertices, {} landmarks, {:.0?}",
-                animal.landmarks.len(),
-                start.elapsed()
-            );
-            write_obj(&Path::new(&folder).join(format!("{name}.obj")), &animal.rest, &animal.rest.positions)?;
-            for pose in &animal.poses {
-                write_obj(
-                    &Path::new(&folder).join(format!("{name}-{gait:?}-{}.obj", pose.name)),
-                    &animal.rest,
-                    &pose.positions,
-                )?;
+    let folder = Path::new(&folder);
+    fs::create_dir_all(folder)?;
+    for proportions in [Proportions::Horse, Proportions::Camel, Proportions::Giraffe] {
+        for made_of in [MadeOf::Skin, MadeOf::Pebbles, MadeOf::Plates, MadeOf::Boxes] {
+            for gait in [Gait::Gallop, Gait::Walk] {
+                let start = Instant::now();
+                let animal = Quadruped { proportions, gait, made_of, ..Quadruped::default() }.make()?;
+                let name = format!("{proportions:?}-{made_of:?}").to_lowercase();
+                println!(
+                    "{name} {gait:?}: {} vertices, {} components, {} landmarks, {:.0?}",
+                    animal.rest.positions.len(),
+                    animal.rest.parts.len().max(1),
+                    animal.landmarks.len(),
+                    start.elapsed()
+                );
+                write_obj(&folder.join(format!("{name}.obj")), &animal.rest, &animal.rest.positions)?;
+                for pose in &animal.poses {
+                    let file = format!("{name}-{gait:?}-{}.obj", pose.name).to_lowercase();
+                    write_obj(&folder.join(file), &animal.rest, &pose.positions)?;
+                }
             }
         }
     }

@@ -41,7 +41,8 @@ pub struct Part {
 pub struct Body {
     /// The spine first, then the others, left before right.
     pub parts: Vec<Part>,
-    humps: &'static [[f64; 5]],
+    /// Humps: centre y and z, half sizes along x, y, z.
+    pub humps: &'static [[f64; 5]],
 }
 
 impl Body {
@@ -84,7 +85,7 @@ impl Body {
             result = smooth_min(result, limb, first.blend);
         }
         // Soles are flat, the ground is y = 0.
-        -smooth_min(-result, point.y, 0.015)
+        smooth_max(result, -point.y, 0.015)
     }
 
     /// The distance to trunk, neck and head with the humps.
@@ -143,6 +144,11 @@ impl Body {
         low.y = low.y.max(-0.02);
         (low, high)
     }
+}
+
+/// The larger of `a` and `b`, with the crease rounded off where they differ by less than `blend`.
+pub fn smooth_max(a: f64, b: f64, blend: f64) -> f64 {
+    -smooth_min(-a, -b, blend)
 }
 
 /// The smaller of `a` and `b`, with the crease rounded off where they differ by less than `blend`.

@@ -1,6 +1,10 @@
 //! Named points at the same places of every animal.
 
-use mimesh_core::mesh::{Landmark, SurfacePoint};
+use mimesh_core::{
+    Result,
+    mesh::{Landmark, SurfacePoint},
+    spatial::ClosestPoint,
+};
 use nalgebra::{Point3, Vector3};
 
 use super::body::{Body, Limb, Part};
@@ -89,12 +93,17 @@ const TAIL: &[(&str, f64, Way)] = &[("dock", 1.0, Back), ("tail", 2.4, Back), ("
 
 const EAR: &[(&str, f64, Way)] = &[("ear_root", 0.4, Outer), ("ear_tip", 2.0, Tip)];
 
-/// The landmarks of `body` on the mesh of its surface.
-pub fn landmarks(body: &Body, positions: &[Point3<f64>], triangles: &[[u32; 3]]) -> Vec<Landmark> {
-    let mut around = vec![vec![]; positions.len()];
-    for (t, corners) in triangles.iter().enumerate() {
-        corners.iter().for_each(|&v| around[v as usize].push(t as u32));
-    }
+/// A point to be found on the body's surface.
+#[derive(Debug)]
+pub struct Place {
+    /// The name of the landmark.
+    pub name: String,
+    /// On the surface of the body.
+    pub at: Point3<f64>,
+}
+
+/// Where the landmarks of `body` lie on its surface.
+pub fn places(body: &Body) -> Vec<Place> {
     let mut result = vec![];
     for part in &body.parts {
         let side = if part.right { "right" } else { "left" };
@@ -108,14 +117,48 @@ pub fn landmarks(body: &Body, positions: &[Point3<f64>], triangles: &[[u32; 3]])
             Limb::Horn => continue,
         };
         for &(name, s, way) in points {
-            let place = on_surface(body, part, s, way);
-            result.push(Landmark {
-                name: format!("{prefix}{name}"),
-                point: nearest(&place, positions, triangles, &around),
-            });
+            result.push(Place { name: format!("{prefix}{name}"), at: on_surface(body, part, s, way) });
         }
     }
     result
+}
+
+/// The landmarks of `body` on the mesh of its surface.
+pub fn on_skin(body: &Body, positions: &[Point3<f64>], triangles: &[[u32; 3]]) -> Vec<Landmark> {
+    let mut around = vec![vec![]; positions.len()];
+    for (t, corners) in triangles.iter().enumerate() {
+        corners.iter().for_each(|&v| around[v as usize].push(t as u32));
+    }
+    let landmark =
+        |place: Place| Landmark { point: nearest(&place.at, positions, triangles, &around), name: place.name };
+    places(body).into_iter().map(landmark).collect()
+}
+
+/// The landmarks of `body` on a mesh of pieces: each at the nearest point whose side faces outwards as the skin does.
+///
+/// # Errors
+///
+/// [`Error::Data`](mimesh_core::Error::Data) if there is no triangle.
+pub fn on_pieces(body: &Body, positions: &[Point3<f64>], triangles: &[[u32; 3]]) -> Result<Vec<Landmark>> {
+    let search = ClosestPoint::new(positions, triangles)?;
+    let outwards = |triangle: u32, skin: &Vector3<f64>, least: f64| {
+        let [a, b, c] = triangles[triangle as usize].map(|v| positions[v as usize]);
+        let normal = (b - a).cross(&(c - a));
+        normal.dot(skin) > least * normal.norm()
+    };
+    let mut result = vec![];
+    for Place { name, at } in places(body) {
+        let skin = body.gradient(&at).normalize();
+        // At the tip of a limb nothing may face as the skin does.
+        let found = [0.7, 0.0, -2.0].into_iter().find_map(|least| {
+            let near = if least > 0.0 { body.thickness(&at) } else { f64::INFINITY };
+            search.find(&at, near, |t| outwards(t, &skin, least))
+        });
+        if let Some(found) = found {
+            result.push(Landmark { name, point: SurfacePoint::Triangle(found.triangle, found.barycentric) });
+        }
+    }
+    Ok(result)
 }
 
 /// Where the ray from the centre line at `s` leaves the body.

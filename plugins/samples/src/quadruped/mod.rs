@@ -2,20 +2,26 @@
 //!
 //! The surface is the zero set of smoothly joined limbs (`body`, `animals`), made a mesh by marching tetrahedra
 //! (`polygonise`) and `remesh`ing; it moves with a `gait` by a rule (`skin`) whose rotations are the same for
-//! every animal. So the poses of one animal are what a good transfer from another should give.
+//! every animal. It is a skin, or `pieces`: `pebbles`, `plates` or `boxes` that move with the body. So
+//! the poses of one animal are what a good transfer from another should give.
 
 mod animals;
 mod body;
+mod boxes;
 mod chain;
 mod gait;
 mod landmarks;
+mod pebbles;
+mod pieces;
+mod plates;
 mod polygonise;
 mod remesh;
+mod sites;
 mod skin;
 
 use mimesh_core::{
     Error, Result,
-    mesh::{Mesh, MeshSequence, Pose},
+    mesh::{Landmark, Mesh, MeshSequence, Pose, Surface},
     register,
     stage::Sample,
 };
@@ -28,6 +34,7 @@ pub use self::gait::Gait;
 use self::{
     animals::Animal,
     body::{Body, Part},
+    pieces::Pieces,
     skin::Skin,
 };
 
@@ -35,8 +42,8 @@ register!(Sample: Quadruped);
 
 /// A procedural four-legged animal with a gait, for trying things and for tests: no file is needed.
 ///
-/// One closed, manifold component of well-shaped triangles, mirror-symmetric in shape, y up and facing +z, standing on
-/// y = 0. Joints turn by the same angles on every animal, so its poses are the known result of a transfer from another
+/// A skin, one closed, manifold component of well-shaped triangles, or many closed components in its shape: stones, plates or
+/// the boxes of a robot. Mirror-symmetric in shape, y up and facing +z, standing on y = 0. Joints turn by the same angles on every animal, so its poses are the known result of a transfer from another
 /// animal; some seventy landmarks of equal names on every animal serve as markers.
 #[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
 #[serde(default, deny_unknown_fields)]
@@ -48,13 +55,19 @@ pub struct Quadruped {
     /// Poses through one stride, named by their number; the stride closes, the first follows the last.
     #[schemars(range(min = 1, max = 1000))]
     pub frames: usize,
+    /// What it is made of.
+    pub made_of: MadeOf,
+    /// About how many stones or plates it is made of; left out, 200 stones or 60 plates. A skin is one, and how many boxes
+    /// a robot has is a matter of its limbs.
+    #[schemars(range(min = 20, max = 5000))]
+    pub pieces: Option<usize>,
     /// Edges of triangles along the length of the body; thin parts have shorter edges. 60 give about 7000 vertices.
     #[schemars(range(min = 20, max = 1000))]
     pub resolution: usize,
     /// Length of a metre in the unit of the mesh: 1 gives metres, 100 centimetres.
     #[schemars(range(min = 0.0))]
     pub size: f64,
-    /// Another number gives other triangles of the same shape.
+    /// Another number gives other triangles of the same shape, and other stones and plates; boxes stay as they are.
     pub seed: u64,
 }
 
@@ -71,9 +84,37 @@ pub enum Proportions {
     Giraffe,
 }
 
+/// What a [`Quadruped`] is made of: one skin, or many closed components.
+///
+/// Components have names, each its own, and are grouped by the region of the body: trunk, neck, head, `left_front_leg` …
+#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq, JsonSchema, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum MadeOf {
+    /// One closed surface.
+    #[default]
+    Skin,
+    /// Rounded stones side by side below the skin, `trunk_1`, `trunk_2` …, each moved rigidly, as nearly as the body moves
+    /// there.
+    Pebbles,
+    /// Plates cut from the skin, `trunk_1`, `trunk_2` …, with gaps between them; their outer sides move as the skin, their
+    /// inner sides stay below at a constant depth.
+    Plates,
+    /// The boxes of a robot, `pelvis`, `head`, `left_front_shin` …, each moved rigidly, as nearly as the body moves there.
+    Boxes,
+}
+
 impl Default for Quadruped {
     fn default() -> Self {
-        Self { proportions: Proportions::Horse, gait: Gait::Gallop, frames: 12, resolution: 60, size: 1.0, seed: 0 }
+        Self {
+            proportions: Proportions::Horse,
+            gait: Gait::Gallop,
+            frames: 12,
+            made_of: MadeOf::Skin,
+            pieces: None,
+            resolution: 60,
+            size: 1.0,
+            seed: 0,
+        }
     }
 }
 
@@ -83,33 +124,87 @@ impl Sample for Quadruped {
         Error::check_setting("frames", self.frames as f64, 1.0, 1000.0)?;
         Error::check_setting("resolution", self.resolution as f64, 20.0, 1000.0)?;
         Error::check_setting("size", self.size, 1e-9, 1e9)?;
-        let animal = self.proportions.animal();
-        let body = Body::new(animal);
+        let count = self.count()?;
+        let body = Body::new(self.proportions.animal());
+        if self.made_of == MadeOf::Boxes {
+            return self.of_pieces(&body, &boxes::boxes(&body, 1.5 * self.edge(&body)));
+        }
         let (positions, triangles) = self.mesh(&body);
-        let landmarks = landmarks::landmarks(&body, &positions, &triangles);
+        match self.made_of {
+            MadeOf::Pebbles => {
+                let (edge, seed) = (self.edge(&body), self.seed);
+                self.of_pieces(&body, &pebbles::pebbles(&body, &positions, &triangles, (count, edge, seed)))
+            }
+            MadeOf::Plates => self.of_pieces(&body, &plates::plates(&body, &positions, &triangles, (count, self.seed))),
+            MadeOf::Skin | MadeOf::Boxes => {
+                let landmarks = landmarks::on_skin(&body, &positions, &triangles);
+                let skin = Skin::new(&body, &positions);
+                let rest = Mesh::from_triangles(positions.clone(), &triangles);
+                Ok(self.sequence(rest, landmarks, |time| skin.pose(self.gait, time)))
+            }
+        }
+    }
+}
 
-        let skin = Skin::new(&body, &positions);
+impl Quadruped {
+    /// How many stones or plates to make.
+    fn count(&self) -> Result<usize> {
+        let usual = match self.made_of {
+            MadeOf::Pebbles => 200,
+            MadeOf::Plates => 60,
+            MadeOf::Skin | MadeOf::Boxes => match self.pieces {
+                None => return Ok(1),
+                Some(pieces) => {
+                    return Err(Error::Setting {
+                        setting: "pieces",
+                        expected: "nothing unless `made_of` is pebbles or plates".into(),
+                        found: pieces.to_string(),
+                    });
+                }
+            },
+        };
+        let pieces = self.pieces.unwrap_or(usual);
+        Error::check_setting("pieces", pieces as f64, 20.0, 5000.0)?;
+        Ok(pieces)
+    }
+
+    /// Rest, poses and landmarks of `pieces` of `body`.
+    fn of_pieces(&self, body: &Body, pieces: &Pieces) -> Result<MeshSequence> {
+        let rest = pieces.mesh();
+        let surface = Surface::new(&rest)?;
+        let landmarks = landmarks::on_pieces(body, &rest.positions, &surface.triangles)?;
+        let skin = pieces.skin(body);
+        Ok(self.sequence(rest, landmarks, |time| pieces.moved(&skin.pose(self.gait, time))))
+    }
+
+    /// A mesh in metres, its landmarks and its vertices at a time of the stride as what a sample makes.
+    fn sequence(
+        &self,
+        mut rest: Mesh,
+        landmarks: Vec<Landmark>,
+        at: impl Fn(f64) -> Vec<Point3<f64>> + Sync,
+    ) -> MeshSequence {
         let scaled = |positions: &[Point3<f64>]| positions.iter().map(|p| p * self.size).collect::<Vec<_>>();
         let frames = if self.gait == Gait::None { 0 } else { self.frames };
         let digits = frames.to_string().len().max(2);
         let pose = |frame: usize| Pose {
             name: format!("{:0digits$}", frame + 1),
-            positions: scaled(&skin.pose(self.gait, frame as f64 / frames as f64)),
+            positions: scaled(&at(frame as f64 / frames as f64)),
         };
-        Ok(MeshSequence {
-            rest: Mesh::from_triangles(scaled(&positions), &triangles),
-            poses: (0..frames).into_par_iter().map(pose).collect(),
-            landmarks,
-            ..MeshSequence::default()
-        })
+        rest.positions = scaled(&rest.positions);
+        MeshSequence { rest, poses: (0..frames).into_par_iter().map(pose).collect(), landmarks, ..Default::default() }
     }
-}
 
-impl Quadruped {
+    /// The length of an edge on the trunk, metres.
+    fn edge(&self, body: &Body) -> f64 {
+        let (low, high) = body.bounds();
+        (high.z - low.z) / self.resolution as f64
+    }
+
     /// Vertices (metres) and triangles of `body`.
     fn mesh(&self, body: &Body) -> (Vec<Point3<f64>>, Vec<[u32; 3]>) {
         let (low, high) = body.bounds();
-        let edge = (high.z - low.z) / self.resolution as f64;
+        let edge = self.edge(body);
         let girth = body.parts[0].chain.at(3.0).width;
         let length = |point: &Point3<f64>| {
             let thickness = body.thickness(point);
