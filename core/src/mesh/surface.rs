@@ -22,6 +22,8 @@ pub struct Surface {
     pub part_names: Vec<String>,
     /// For each triangle its entry in `part_names`, #F; empty if no part has a name.
     pub part_of: Vec<u32>,
+    /// Other names of parts, as groups and materials of what has an object's name, with their triangles.
+    pub other_names: Vec<(String, Vec<u32>)>,
 }
 
 impl Surface {
@@ -63,7 +65,8 @@ impl Surface {
         }
         let positions = first_copy.iter().map(|&v| mesh.positions[v as usize]).collect();
         let (part_names, part_of) = parts(mesh, &polygon_of);
-        Ok(Self { positions, triangles, polygon_of, vertex_of, first_copy, part_names, part_of })
+        let other_names = other_names(mesh, &polygon_of);
+        Ok(Self { positions, triangles, polygon_of, vertex_of, first_copy, part_names, part_of, other_names })
     }
 
     /// A surface of triangles that are used as they stand.
@@ -83,6 +86,7 @@ impl Surface {
             first_copy: all,
             part_names: vec![],
             part_of: vec![],
+            other_names: vec![],
         })
     }
 
@@ -204,13 +208,33 @@ impl Surface {
     }
 }
 
+/// The names of a part, the one that it is called by first.
+fn names_of(part: &Part) -> impl Iterator<Item = &String> {
+    part.object.iter().chain(&part.groups).chain(&part.material)
+}
+
+/// The distinct names that parts have besides those they are called by, with their triangles.
+fn other_names(mesh: &Mesh, polygon_of: &[u32]) -> Vec<(String, Vec<u32>)> {
+    let mut others: Vec<(String, Vec<u32>)> = Vec::new();
+    for part in &mesh.parts {
+        let first = polygon_of.partition_point(|&p| (p as usize) < part.polygons.start) as u32;
+        let end = polygon_of.partition_point(|&p| (p as usize) < part.polygons.end) as u32;
+        for name in names_of(part).skip(1) {
+            match others.iter_mut().find(|(other, _)| other == name) {
+                Some((_, triangles)) => triangles.extend(first..end),
+                None => others.push((name.clone(), (first..end).collect())),
+            }
+        }
+    }
+    others
+}
+
 /// The distinct names of parts, and the one of each triangle.
 fn parts(mesh: &Mesh, polygon_of: &[u32]) -> (Vec<String>, Vec<u32>) {
-    let name = |part: &Part| part.object.as_ref().or(part.groups.first()).or(part.material.as_ref()).cloned();
     let mut names: Vec<String> = Vec::new();
     let mut of_polygon = vec![0; mesh.polygons.len()];
     for part in &mesh.parts {
-        let name = name(part).unwrap_or_default();
+        let name = names_of(part).next().cloned().unwrap_or_default();
         let number = names.iter().position(|n| *n == name).unwrap_or_else(|| {
             names.push(name);
             names.len() - 1

@@ -8,12 +8,12 @@ use crate::{
     mesh::{Components, Surface},
 };
 
-/// A component of the target in settings: its number, or the name of an object, group or material.
+/// Components of the target in settings: a number, the name of an object, group or material, or `all`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ComponentRef {
     /// The number, from 0, in the order of first vertices.
     Number(u32),
-    /// A name: all components of the part.
+    /// A name: all components of the parts that have it. Where no part is called `all`, it stands for all components.
     Name(String),
 }
 
@@ -39,7 +39,7 @@ impl ComponentRef {
         };
         Err(Error::data(
             format!(
-                "the target has no component {what}: expected 0 to {}, or a name; {names}",
+                "the target has no component {what}: expected 0 to {}, a name, or `all`; {names}",
                 count.saturating_sub(1)
             ),
             "`mimesh inspect MESH --components` lists them",
@@ -48,9 +48,14 @@ impl ComponentRef {
 }
 
 fn named(name: &str, target: &Surface, components: &Components) -> Vec<u32> {
-    let Some(part) = target.part_names.iter().position(|n| n == name) else { return vec![] };
-    let triangles = target.triangles.iter().zip(&target.part_of).filter(|(_, p)| **p as usize == part);
-    let mut found: Vec<u32> = triangles.filter_map(|(t, _)| components.of_vertex[t[0] as usize]).collect();
+    let part = target.part_names.iter().position(|n| n == name);
+    let called = target.part_of.iter().enumerate().filter(|(_, p)| Some(**p as usize) == part).map(|(t, _)| t);
+    let others = target.other_names.iter().filter(|(other, _)| other == name).flat_map(|(_, triangles)| triangles);
+    let component = |t: usize| components.of_vertex[target.triangles[t][0] as usize];
+    let mut found: Vec<u32> = called.chain(others.map(|&t| t as usize)).filter_map(component).collect();
+    if found.is_empty() && name == "all" {
+        return (0..components.count() as u32).collect();
+    }
     found.sort_unstable();
     found.dedup();
     found
@@ -81,7 +86,7 @@ impl<'de> Deserialize<'de> for ComponentRef {
             type Value = ComponentRef;
 
             fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("the number of a component or the name of an object, group or material")
+                f.write_str("the number of a component, the name of an object, group or material, or `all`")
             }
 
             fn visit_u64<E: de::Error>(self, number: u64) -> Result<ComponentRef, E> {
@@ -111,9 +116,50 @@ impl JsonSchema for ComponentRef {
 
     fn json_schema(_: &mut SchemaGenerator) -> Schema {
         json_schema!({
-            "description": "A component: its number, or the name of an object, group or material.",
+            "description": "Components: a number, the name of an object, group or material, or `all`.",
             "type": ["integer", "string"],
             "minimum": 0,
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::{Mesh, Part};
+    use nalgebra::Point3;
+
+    /// Four triangles apart: object `leg` in group `left`, object `leg` in group `right`, group `left` alone, nothing.
+    fn surface() -> Surface {
+        let corner = |k: u32| Point3::new(f64::from(k / 3), f64::from(k % 3), f64::from(k % 2));
+        let mut mesh =
+            Mesh::from_triangles((0..12).map(corner).collect(), &[[0, 1, 2], [3, 4, 5], [6, 7, 8], [9, 10, 11]]);
+        let part = |k: usize, object: Option<&str>, group: Option<&str>| Part {
+            object: object.map(Into::into),
+            groups: group.into_iter().map(Into::into).collect(),
+            polygons: k..k + 1,
+            ..Part::default()
+        };
+        mesh.parts = vec![
+            part(0, Some("leg"), Some("left")),
+            part(1, Some("leg"), Some("right")),
+            part(2, None, Some("left")),
+            part(3, None, None),
+        ];
+        Surface::new(&mesh).unwrap()
+    }
+
+    #[test]
+    fn components_are_found_by_number_object_and_group_and_all_together() {
+        let surface = surface();
+        let find = |name: &str| {
+            ComponentRef::Name(name.into()).resolve(&surface, &surface.components()).map_err(|error| error.to_string())
+        };
+        assert_eq!(find("leg"), Ok(vec![0, 1]));
+        assert_eq!(find("left"), Ok(vec![0, 2]));
+        assert_eq!(find("right"), Ok(vec![1]));
+        assert_eq!(find("all"), Ok(vec![0, 1, 2, 3]));
+        assert!(find("lge").unwrap_err().starts_with("the target has no component `lge`: expected 0 to 3"));
+        assert_eq!(ComponentRef::Number(2).resolve(&surface, &surface.components()).unwrap(), [2]);
     }
 }

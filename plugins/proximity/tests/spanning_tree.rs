@@ -133,7 +133,7 @@ fn links_are_forbidden_added_and_welded_by_name_or_number() {
         SpanningTree { add: vec![[name("head"), name("haed")]], ..near.clone() }.proximity(&surface).unwrap_err();
     assert_eq!(
         error.to_string(),
-        "the target has no component `haed`: expected 0 to 3, or a name; the mesh has parts head, jaw, eye, tooth"
+        "the target has no component `haed`: expected 0 to 3, a name, or `all`; the mesh has parts head, jaw, eye, tooth"
     );
     let all = [[0, 1], [0, 2], [0, 3]].map(|[a, b]| [ComponentRef::Number(a), ComponentRef::Number(b)]);
     let error = SpanningTree { forbid: all.to_vec(), ..near }.proximity(&surface).unwrap_err();

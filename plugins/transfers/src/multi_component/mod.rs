@@ -49,7 +49,8 @@ pub struct MultiComponent {
     pub weights: Weights,
     /// What gaps keep.
     pub gaps: Gaps,
-    /// Components that move rigidly, by number or by the name of an object, group or material, e.g. eyeballs and teeth.
+    /// Components that move rigidly, by number or by the name of an object, group or material, e.g. eyeballs and teeth; `[all]`
+    /// for stones and robots.
     pub rigid: Vec<ComponentRef>,
     /// What becomes of components that correspond to nothing.
     pub orphans: Orphans,
