@@ -268,3 +268,31 @@ fn spread_over_the_largest_component(surface: &Surface, count: usize) -> Vec<u32
     }
     chosen.into_iter().map(|v| surface.first_copy[v as usize]).collect()
 }
+
+#[test]
+fn a_face_of_56_components_takes_the_expressions_of_another() {
+    let Some(data) = data() else { return };
+    let folder = data.join("ict-facekit");
+    let mesh = |name: &str| read(&folder.join(format!("{name}.obj")));
+    let (neutral, target) = (mesh("generic_neutral_mesh"), mesh("identity000"));
+    let names = ["jawOpen", "eyeBlink_L", "mouthSmile_R", "cheekPuff_L", "eyeLookUp_L"];
+    let poses: Vec<_> = names.iter().map(|name| mesh(name).positions).collect();
+    // The model adds displacements.
+    let moved = |pose: &Vec<Point3<f64>>| -> Vec<Point3<f64>> {
+        let each = target.positions.iter().zip(pose).zip(&neutral.positions);
+        each.map(|((at, to), from)| at + (to - from)).collect()
+    };
+    let truth = poses.iter().map(moved).collect();
+    let mut chosen = vec![0];
+    let mut distance = vec![f64::INFINITY; neutral.positions.len()];
+    while chosen.len() < 30 {
+        let last = neutral.positions[chosen[chosen.len() - 1]];
+        distance.iter_mut().zip(&neutral.positions).for_each(|(d, p)| *d = d.min((p - last).norm()));
+        let farthest = (0..distance.len()).max_by(|&a, &b| distance[a].total_cmp(&distance[b]));
+        chosen.push(farthest.expect("vertices"));
+    }
+    let markers = chosen.into_iter().map(|v| (v as u32, v as u32)).collect();
+    let score = run(&Case { source: Surface::new(&neutral).unwrap(), poses, target, truth, markers }, PARTS);
+    // Every other public program leaves the parts a fifth of the head's size off.
+    assert!(score.mean <= 0.2 && score.component <= 1.0, "{score:?}");
+}
