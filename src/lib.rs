@@ -33,6 +33,7 @@ mod bundled {
     use mimesh_correspondences as _;
     use mimesh_deformers as _;
     use mimesh_formats as _;
+    use mimesh_key_points as _;
     use mimesh_metrics as _;
     use mimesh_proximity as _;
     use mimesh_samplers as _;

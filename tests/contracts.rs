@@ -4,7 +4,7 @@ use std::{collections::HashSet, path::PathBuf};
 
 use mimesh::core::{
     plugin::{self, instances},
-    stage::{Correspondence, Format, Metric, Proximity, Sample, Transfer},
+    stage::{Clusterer, Correspondence, Deformer, Format, Metric, Proximity, Sample, Sampler, Transfer, Weights},
     testkit::contracts,
 };
 
@@ -24,12 +24,16 @@ fn no_name_is_taken_twice() {
 
 #[test]
 fn every_default_is_written_and_read_back() {
+    instances::<dyn Clusterer>().iter().for_each(|(name, stage)| contracts::round_trips(name, &**stage));
     instances::<dyn Correspondence>().iter().for_each(|(name, stage)| contracts::round_trips(name, &**stage));
+    instances::<dyn Deformer>().iter().for_each(|(name, stage)| contracts::round_trips(name, &**stage));
     instances::<dyn Format>().iter().for_each(|(name, stage)| contracts::round_trips(name, &**stage));
     instances::<dyn Metric>().iter().for_each(|(name, stage)| contracts::round_trips(name, &**stage));
     instances::<dyn Proximity>().iter().for_each(|(name, stage)| contracts::round_trips(name, &**stage));
     instances::<dyn Sample>().iter().for_each(|(name, stage)| contracts::round_trips(name, &**stage));
+    instances::<dyn Sampler>().iter().for_each(|(name, stage)| contracts::round_trips(name, &**stage));
     instances::<dyn Transfer>().iter().for_each(|(name, stage)| contracts::round_trips(name, &**stage));
+    instances::<dyn Weights>().iter().for_each(|(name, stage)| contracts::round_trips(name, &**stage));
 }
 
 #[test]
@@ -61,4 +65,27 @@ fn every_proximity_keeps_its_contract() {
 #[test]
 fn every_sample_keeps_its_contract() {
     instances::<dyn Sample>().iter().for_each(|(name, stage)| contracts::sample(name, &**stage));
+}
+
+#[test]
+fn every_sampler_keeps_its_contract() {
+    let (given, others): (Vec<_>, Vec<_>) =
+        instances::<dyn Sampler>().into_iter().partition(|(name, _)| *name == "given");
+    assert!(given.len() == 1 && others.len() >= 2, "what is given is not for the stage to promise");
+    others.iter().for_each(|(name, stage)| contracts::sampler(name, &**stage));
+}
+
+#[test]
+fn all_weights_keep_their_contract() {
+    instances::<dyn Weights>().iter().for_each(|(name, stage)| contracts::weights(name, &**stage));
+}
+
+#[test]
+fn every_clusterer_keeps_its_contract() {
+    instances::<dyn Clusterer>().iter().for_each(|(name, stage)| contracts::clusterer(name, &**stage));
+}
+
+#[test]
+fn every_deformer_keeps_its_contract() {
+    instances::<dyn Deformer>().iter().for_each(|(name, stage)| contracts::deformer(name, &**stage));
 }

@@ -5,9 +5,12 @@ use faer::{
     Conj, MatMut, Par, Side,
     sparse::{
         SparseColMatRef, SymbolicSparseColMatRef,
-        linalg::cholesky::{
-            CholeskySymbolicParams, LltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
-            factorize_symbolic_cholesky, supernodal::SupernodalLltRef,
+        linalg::{
+            SupernodalThreshold,
+            cholesky::{
+                CholeskySymbolicParams, LltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
+                factorize_symbolic_cholesky, supernodal::SupernodalLltRef,
+            },
         },
     },
 };
@@ -36,13 +39,32 @@ impl Cholesky {
     ///
     /// [`Error::Singular`] if the matrix is not positive definite.
     pub fn new(lower: CscMatrix<f64>, what: &'static str) -> Result<Self> {
-        let symbolic = factorize_symbolic_cholesky(
-            view(&lower).symbolic(),
-            Side::Lower,
-            SymmetricOrdering::Amd,
-            CholeskySymbolicParams::default(),
-        )
-        .map_err(|error| Error::Other(format!("{what}: {error:?}").into()))?;
+        Self::with_parameters(lower, what, CholeskySymbolicParams::default())
+    }
+
+    /// As [`new`](Self::new), for a matrix whose values will change often: columns are gathered into dense blocks whatever the
+    /// size.
+    ///
+    /// On bilaplacians of 2,000 and 13,000 vertices a factorisation took 0.7 and 0.4 of the time, and a solve as long or 1.3
+    /// times as long.
+    ///
+    /// # Errors
+    ///
+    /// As [`new`](Self::new).
+    pub fn for_refactoring(lower: CscMatrix<f64>, what: &'static str) -> Result<Self> {
+        let supernodal_flop_ratio_threshold = SupernodalThreshold::FORCE_SUPERNODAL;
+        let parameters = CholeskySymbolicParams { supernodal_flop_ratio_threshold, ..Default::default() };
+        Self::with_parameters(lower, what, parameters)
+    }
+
+    fn with_parameters(
+        lower: CscMatrix<f64>,
+        what: &'static str,
+        parameters: CholeskySymbolicParams<'_>,
+    ) -> Result<Self> {
+        let pattern = view(&lower);
+        let symbolic = factorize_symbolic_cholesky(pattern.symbolic(), Side::Lower, SymmetricOrdering::Amd, parameters)
+            .map_err(|error| Error::Other(format!("{what}: {error:?}").into()))?;
         let factor = vec![0.0; symbolic.len_val()];
         let mut result = Self { symbolic: Arc::new(symbolic), factor, matrix: lower, what };
         result.factor_numerically()?;

@@ -4,6 +4,7 @@
 //! is an area, gradients are per unit of length. Symmetric matrices hold their lower triangle. Triangles without area
 //! ([`is_degenerate`]) contribute nothing, so every operator stays finite.
 
+mod blend;
 mod deformation_gradient;
 mod gradient;
 mod laplacian;
@@ -12,6 +13,7 @@ mod normals;
 mod polar;
 mod tetrahedron;
 
+pub use blend::linear_blend;
 pub use deformation_gradient::DeformationGradients;
 pub use gradient::{Gradient, gradients};
 pub use laplacian::cotangent_laplacian;

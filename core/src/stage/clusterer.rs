@@ -2,7 +2,7 @@ use std::fmt::Debug;
 
 use nalgebra::{DMatrix, Point3};
 
-use crate::{Figures, Result, mesh::Surface};
+use crate::{Error, Figures, Result, mesh::Surface};
 
 /// Divides a surface into regions that move about rigidly.
 ///
@@ -11,7 +11,7 @@ use crate::{Figures, Result, mesh::Surface};
 /// # Contract
 ///
 /// `testkit::contracts` holds implementations to this:
-/// - every vertex has a region, there are at most as many as handles, and none is empty;
+/// - every vertex has a region, none is empty, and there are at most as many as handles unless a setting asks for another number;
 /// - equal inputs give equal regions, on one thread or many.
 #[typetag::serde(tag = "type")]
 pub trait Clusterer: Debug + Send + Sync {
@@ -26,7 +26,7 @@ pub trait Clusterer: Debug + Send + Sync {
 
 /// A clusterer bound to a surface and its poses.
 pub trait BoundClusterer: Debug + Send + Sync {
-    /// The regions for W (#V × #H), at most #H of them.
+    /// The regions for W (#V × #H), at most #H of them unless a setting asks for another number.
     ///
     /// # Errors
     ///
@@ -45,4 +45,22 @@ pub struct Regions {
     pub count: usize,
     /// What was found.
     pub figures: Figures,
+}
+
+impl Regions {
+    /// Checks that every one of `vertices` vertices has a region.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Shape`] if they are regions of another surface, [`Error::Data`] if a region's number is out of range.
+    pub fn check(&self, vertices: usize) -> Result<()> {
+        Error::check_shape("vertices with a region (#V)", vertices, self.of_vertex.len())?;
+        match self.of_vertex.iter().position(|&region| region as usize >= self.count) {
+            None => Ok(()),
+            Some(vertex) => Err(Error::data(
+                format!("vertex {vertex} (from 0) is in region {} of {}", self.of_vertex[vertex], self.count),
+                "this is a mistake in the clusterer that made the regions",
+            )),
+        }
+    }
 }

@@ -34,6 +34,30 @@ pub trait Transfer: Debug + Send + Sync {
     fn check(&self, _pair: Pair<'_>) -> Result<()> {
         Ok(())
     }
+
+    /// Whether [`bind`](Self::bind) looks at its map; where not, a pipeline may do without a correspondence.
+    fn needs_correspondence(&self) -> bool {
+        true
+    }
+
+    /// How many poses of the source [`bind_to_poses`](Self::bind_to_poses) wants to see; they are held in memory together.
+    fn poses_wanted(&self) -> usize {
+        0
+    }
+
+    /// As [`bind`](Self::bind), having seen `poses` of the source (each #V): at most as many as wanted, spread over all.
+    ///
+    /// # Errors
+    ///
+    /// As [`bind`](Self::bind), and if a pose has another length.
+    fn bind_to_poses(
+        &self,
+        pair: Pair<'_>,
+        map: &TriangleMap,
+        _poses: &[Vec<Point3<f64>>],
+    ) -> Result<Box<dyn BoundTransfer>> {
+        self.bind(pair, map)
+    }
 }
 
 /// A transfer bound to a pair of rest surfaces.

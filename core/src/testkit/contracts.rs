@@ -5,6 +5,7 @@
 use nalgebra::Point3;
 use serde_json::Value;
 
+pub use super::{clusterer::clusterer, deformer::deformer, sampler::sampler, weights::weights};
 use super::{meshes, random::Random};
 use crate::{
     Plugin,
@@ -159,12 +160,12 @@ pub fn sample(name: &str, stage: &dyn Sample) {
     assert!(again.rest.positions == sequence.rest.positions && again.poses == sequence.poses, "{name}: not repeatable");
 }
 
-fn one_thread<T: Send>(run: impl FnOnce() -> T + Send) -> T {
+pub(super) fn one_thread<T: Send>(run: impl FnOnce() -> T + Send) -> T {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a pool of one thread");
     pool.install(run)
 }
 
-fn near(name: &str, law: &str, found: &[Point3<f64>], expected: &[Point3<f64>]) {
+pub(super) fn near(name: &str, law: &str, found: &[Point3<f64>], expected: &[Point3<f64>]) {
     assert_eq!(found.len(), expected.len(), "{name}: {law}");
     let size = diagonal(expected);
     for (v, (p, q)) in found.iter().zip(expected).enumerate() {
@@ -174,7 +175,7 @@ fn near(name: &str, law: &str, found: &[Point3<f64>], expected: &[Point3<f64>]) 
 }
 
 /// A bar without symmetry.
-fn bent_bar() -> Surface {
+pub(super) fn bent_bar() -> Surface {
     let mut surface = meshes::bar([9, 3, 2], [3.0, 0.9, 0.7]);
     for p in &mut surface.positions {
         *p = Point3::new(p.x, p.y + 0.1 * p.x * p.x, p.z * (1.0 + 0.2 * p.x));
@@ -183,7 +184,7 @@ fn bent_bar() -> Surface {
 }
 
 /// With a triangle that has a corner twice, as poles of exported spheres have, one without area, and a loose vertex.
-fn with_defects(surface: Surface) -> Surface {
+pub(super) fn with_defects(surface: Surface) -> Surface {
     let (mut positions, mut triangles) = (surface.positions, surface.triangles);
     let [a, b, _] = triangles[7];
     triangles.push([a, a, b]);
@@ -216,7 +217,7 @@ fn stretched(surface: &Surface) -> Surface {
 }
 
 /// Turned about x in proportion to x: `angle` radians a unit of length.
-fn twisted(surface: &Surface, angle: f64) -> Vec<Point3<f64>> {
+pub(super) fn twisted(surface: &Surface, angle: f64) -> Vec<Point3<f64>> {
     let turn = |p: &Point3<f64>| nalgebra::Rotation3::from_axis_angle(&nalgebra::Vector3::x_axis(), angle * p.x) * p;
     surface.positions.iter().map(turn).collect()
 }

@@ -1,5 +1,9 @@
 //! What tests of stages need: fixture meshes and seeded random numbers.
 
+mod clusterer;
 pub mod contracts;
+mod deformer;
 pub mod meshes;
 pub mod random;
+mod sampler;
+mod weights;

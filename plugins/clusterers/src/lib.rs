@@ -1,1 +1,17 @@
 //! Clusterers: ways to divide a surface into regions that move about rigidly.
+
+pub mod rotation_kmeans;
+pub mod weight_kmeans;
+
+mod kmeans;
+mod pose_features;
+mod principal;
+mod random;
+mod start;
+#[cfg(test)]
+mod tests;
+mod unwrap;
+
+pub use rotation_kmeans::RotationKmeans;
+pub use start::Start;
+pub use weight_kmeans::WeightKmeans;

@@ -1,6 +1,7 @@
 //! Transfers: ways to move the target as the source moves.
 
 mod alignment;
+pub mod biharmonic;
 pub mod copy_displacement;
 mod field;
 pub mod gradient;

@@ -1,1 +1,12 @@
 //! Weights: ways to spread the influence of handles over a surface.
+
+pub mod biharmonic;
+mod bilaplacian;
+pub mod bounded_biharmonic;
+mod domain;
+pub mod geodesic_falloff;
+mod greens;
+pub mod harmonic;
+mod points;
+
+pub use bounded_biharmonic::Normalize;

@@ -1,0 +1,79 @@
+//! Fits maps of handles to a pose by least squares.
+//!
+//! Minimises Σᵢ ‖qᵢ − q′ᵢ‖² over affine maps T of the handles, with q the linear blend of T: eq. 5 of Yang et al. 2018 with λ = 0.
+//! It comes nearest to the pose, and overfits where handles are many; `arap_skinning` keeps regions rigid besides.
+//!
+//! Cost, for h handles: per set of handles O(#V h²) and one Cholesky factorisation of 4h × 4h; per pose O(#V h).
+
+use std::sync::Arc;
+
+use mimesh_core::{
+    Error, Result,
+    mesh::Surface,
+    register,
+    stage::{BoundDeformer, Deformer, Fit, HandleWeights, Regions, Skin},
+};
+use nalgebra::{DMatrix, Point3};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::{alternation::GlobalSystem, handles::Handles, reference::RestShape};
+
+register!(Deformer: LinearBlend);
+
+/// Fits affine maps of handles to a pose by least squares.
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct LinearBlend {
+    /// How strongly each handle is drawn to the best rigid motion of what it moves, relative to its share of the closeness to
+    /// the pose: it decides what the pose leaves open, as across a flat region.
+    #[schemars(range(min = 1e-12, max = 1.0))]
+    pub regularisation: f64,
+}
+
+impl Default for LinearBlend {
+    fn default() -> Self {
+        Self { regularisation: 1e-3 }
+    }
+}
+
+#[typetag::serde(name = "linear_blend")]
+impl Deformer for LinearBlend {
+    fn bind(&self, surface: &Surface) -> Result<Box<dyn BoundDeformer>> {
+        Error::check_setting("regularisation", self.regularisation, 1e-12, 1.0)?;
+        let rest = Arc::new(RestShape::new(&surface.positions));
+        Ok(Box::new(Bound { regularisation: self.regularisation, rest }))
+    }
+}
+
+#[derive(Clone, Debug)]
+struct Bound {
+    regularisation: f64,
+    rest: Arc<RestShape>,
+}
+
+impl BoundDeformer for Bound {
+    fn skin(&self, weights: &HandleWeights, regions: &Regions) -> Result<Box<dyn Skin>> {
+        let count = self.rest.positions.len();
+        regions.check(count)?;
+        let handles = Handles::new(&self.rest, weights, vec![1.0; count], self.regularisation)?;
+        let matrix = handles.space.symmetric_product(handles.space.rows());
+        let no_rotations = DMatrix::zeros(handles.space.size(), 0);
+        let system = GlobalSystem::new(matrix, &handles.pull, &no_rotations)?;
+        Ok(Box::new(Skinned { handles, system }))
+    }
+}
+
+#[derive(Clone, Debug)]
+struct Skinned {
+    handles: Handles,
+    system: GlobalSystem,
+}
+
+impl Skin for Skinned {
+    fn fit(&self, posed: &[Point3<f64>]) -> Result<Fit> {
+        let (seen, goal) = self.handles.see(posed)?;
+        let maps = self.system.solve(&(&goal.projected + &goal.pulled(&self.handles.pull)));
+        Ok(self.handles.fit(&seen, &maps))
+    }
+}

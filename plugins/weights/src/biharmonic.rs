@@ -1,0 +1,66 @@
+//! Biharmonic weights without bounds, in closed form.
+//!
+//! They minimise ½ wᵀ L M⁻¹ L w with w = 1 at the own handle and 0 at the others, as bounded biharmonic weights do, but may
+//! leave 0 to 1: on bodies they reach −0.27 and 1.21 with 12 handles. Their rows sum to 1 by themselves. What is asked of handles,
+//! components and vertices without area is as in [`bounded_biharmonic`](crate::bounded_biharmonic).
+//!
+//! After binding, any choice of handles among the points costs a dense system of their number and a product: thousands of
+//! choices a second on 2,000 vertices, which makes them a stand-in for bounded ones in a search.
+
+use mimesh_core::{
+    Figures, Result,
+    mesh::{Surface, SurfacePoint},
+    register,
+    stage::{BoundWeights, HandleWeights, ProximityGraph, Weights},
+};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::{bilaplacian::Bilaplacian, domain::Domain, greens::Greens, points::Points};
+
+register!(Weights: Biharmonic);
+
+/// The smoothest weights, which may leave 0 to 1: unbounded biharmonic, fast for many choices of handles.
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Biharmonic {
+    /// Strength of the bridges that `proximity` makes between components, relative to the edges of the surface (to the median
+    /// cotangent weight); 0 for none.
+    #[schemars(range(min = 0.0))]
+    pub bridge: f64,
+}
+
+impl Default for Biharmonic {
+    fn default() -> Self {
+        Self { bridge: 0.5 }
+    }
+}
+
+#[typetag::serde(name = "biharmonic")]
+impl Weights for Biharmonic {
+    fn bind(
+        &self,
+        surface: &Surface,
+        points: &[SurfacePoint],
+        proximity: Option<&ProximityGraph>,
+    ) -> Result<Box<dyn BoundWeights>> {
+        let points = Points::new(surface, points)?;
+        let domain = Domain::new(surface, proximity, self.bridge)?;
+        let energy = |group: &_| Bilaplacian::new(group).matrix;
+        Ok(Box::new(Bound(Greens::new(domain, points, energy, "the energy of biharmonic weights")?)))
+    }
+}
+
+/// Weights bound to a surface.
+#[derive(Debug)]
+struct Bound(Greens);
+
+impl BoundWeights for Bound {
+    fn solve(&self, handles: &[usize]) -> Result<HandleWeights> {
+        self.0.solve(handles, |group| group.mean_mass)
+    }
+
+    fn figures(&self) -> Figures {
+        self.0.figures()
+    }
+}

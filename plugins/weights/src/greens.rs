@@ -1,0 +1,118 @@
+//! Weights that minimise a quadratic energy without bounds, in closed form for any choice of handles.
+//!
+//! A w = Σₖ λₖ eₖ away from the handles means w = Σₖ λₖ gₖ + c with Green's functions gₖ and Σ λₖ = 0, since A maps constants
+//! to 0. The gₖ are solved for once for all points; then handles only ask for a dense system of their number and a product.
+
+use mimesh_core::{Figures, Result, linalg::Cholesky, stage::HandleWeights};
+use nalgebra::DMatrix;
+use nalgebra_sparse::CscMatrix;
+use rayon::prelude::*;
+
+use crate::{
+    domain::{Domain, Group},
+    points::Points,
+};
+
+/// Right-hand sides that are solved for at a time.
+const BATCH: usize = 16;
+
+/// Green's functions at the points of a domain.
+#[derive(Debug)]
+pub struct Greens {
+    domain: Domain,
+    points: Points,
+    /// gₖ of each point over the vertices of its group.
+    functions: Vec<Vec<f64>>,
+}
+
+impl Greens {
+    /// Solves for `points`; `energy` gives the lower triangle of A for a group, and `what` names it in errors.
+    pub fn new(
+        domain: Domain,
+        points: Points,
+        energy: impl Fn(&Group) -> CscMatrix<f64> + Sync,
+        what: &'static str,
+    ) -> Result<Self> {
+        let mut of_group: Vec<Vec<(usize, usize)>> = vec![Vec::new(); domain.groups.len()];
+        for (k, &v) in points.all().iter().enumerate() {
+            if let Some((group, local)) = domain.place[v as usize] {
+                of_group[group as usize].push((k, local as usize));
+            }
+        }
+        let solve = |(group, points): (&Group, &Vec<(usize, usize)>)| -> Result<Vec<(usize, Vec<f64>)>> {
+            let Some(&(_, origin)) = points.first() else { return Ok(vec![]) };
+            let n = group.vertices.len();
+            // The constant that A leaves open is taken so that every g is 0 at the first point.
+            let mut held = vec![false; n];
+            held[origin] = true;
+            let mut matrix = energy(group);
+            let values = crate::bilaplacian::without(&matrix, &held);
+            matrix.values_mut().copy_from_slice(&values);
+            let cholesky = Cholesky::new(matrix, what)?;
+            let batch = |batch: &[(usize, usize)]| {
+                let mut columns = vec![0.0; n * batch.len()];
+                for (column, &(_, local)) in columns.chunks_mut(n).zip(batch) {
+                    column[local] = f64::from(u8::from(local != origin));
+                }
+                cholesky.solve_refined_in_place(&mut columns, batch.len());
+                batch.iter().map(|p| p.0).zip(columns.chunks(n).map(<[f64]>::to_vec)).collect::<Vec<_>>()
+            };
+            Ok(points.par_chunks(BATCH).flat_map_iter(batch).collect())
+        };
+        let mut functions = vec![Vec::new(); points.all().len()];
+        let solved: Vec<_> = domain.groups.par_iter().zip(&of_group).map(solve).collect::<Result<_>>()?;
+        solved.into_iter().flatten().for_each(|(k, function)| functions[k] = function);
+        Ok(Self { domain, points, functions })
+    }
+
+    /// The weights of `handles`: ½ wᵀ A w is least, 1 at the own handle, 0 at the others.
+    pub fn solve(&self, handles: &[usize], unit: impl Fn(&Group) -> f64) -> Result<HandleWeights> {
+        let vertices = self.points.choose(handles)?;
+        let by_group = self.domain.by_group(&vertices)?;
+        let mut matrix = DMatrix::zeros(self.domain.place.len(), handles.len());
+        let mut energies = vec![0.0; handles.len()];
+        for (group, own) in self.domain.groups.iter().zip(&by_group).filter(|(_, own)| !own.is_empty()) {
+            let count = own.len();
+            let at = |k: usize| self.domain.place[vertices[own[k]] as usize].map_or(0, |(_, local)| local as usize);
+            let greens = |k: usize| &self.functions[handles[own[k]]];
+            let mut system = DMatrix::zeros(count + 1, count + 1);
+            for i in 0..count {
+                (system[(i, count)], system[(count, i)]) = (1.0, 1.0);
+                // Both are the same but for rounding.
+                (0..count).for_each(|j| system[(i, j)] = 0.5 * (greens(j)[at(i)] + greens(i)[at(j)]));
+            }
+            // λ of each handle in a column, and its constant below.
+            let found = system.lu().solve(&DMatrix::identity(count + 1, count)).ok_or_else(|| {
+                mimesh_core::Error::Singular {
+                    what: "the system of handles",
+                    hint: "look for handles on parts of the mesh without area: `mimesh inspect MESH`".into(),
+                }
+            })?;
+            for (k, &handle) in own.iter().enumerate() {
+                energies[handle] = 0.5 * found[(k, k)] / unit(group);
+                let mut column = vec![found[(count, k)]; group.vertices.len()];
+                for j in 0..count {
+                    let lambda = found[(j, k)];
+                    column.iter_mut().zip(greens(j)).for_each(|(w, g)| *w += lambda * g);
+                }
+                // Rounding away from what is asked for exactly.
+                (0..count).for_each(|j| column[at(j)] = f64::from(u8::from(j == k)));
+                group.vertices.iter().zip(&column).for_each(|(&v, &w)| matrix[(v as usize, handle)] = w);
+            }
+        }
+        for [v, by] in self.domain.followers(&by_group)? {
+            let row = matrix.row(by as usize).into_owned();
+            matrix.set_row(v as usize, &row);
+        }
+        let mut figures = Figures::default();
+        figures.set("energies", energies);
+        figures.set("least_weight", matrix.min());
+        figures.set("greatest_weight", matrix.max());
+        Ok(HandleWeights { matrix, figures })
+    }
+
+    /// What was found while binding.
+    pub fn figures(&self) -> Figures {
+        self.domain.figures()
+    }
+}

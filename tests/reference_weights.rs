@@ -1,0 +1,179 @@
+//! Weights on real meshes, against what another program found.
+//!
+//! The meshes are not part of this repository: they are looked for in `../shared/data`. Where they are absent the tests say
+//! that they were skipped, and fail if the environment has CI=true.
+
+use std::path::{Path, PathBuf};
+
+use mimesh::core::{
+    Figures,
+    mesh::{Surface, SurfacePoint},
+    plugin::instances,
+    stage::{BoundWeights, Format, Proximity, Sampler, Weights},
+};
+use nalgebra::DMatrix;
+
+fn data() -> Option<PathBuf> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data");
+    if folder.is_dir() {
+        return Some(folder);
+    }
+    assert!(std::env::var("CI").as_deref() != Ok("true"), "../shared/data is missing");
+    eprintln!("skipped: ../shared/data is missing");
+    None
+}
+
+fn surface(path: &Path) -> Surface {
+    let formats = instances::<dyn Format>();
+    let (_, format) = formats.iter().find(|(_, f)| f.extensions().contains(&"obj")).expect("a reader of OBJ");
+    Surface::new(&format.read(path).unwrap_or_else(|error| panic!("{error}")).rest).unwrap()
+}
+
+/// The matrix of an NPY file of version 1 that holds doubles.
+fn npy(path: &Path) -> DMatrix<f64> {
+    let bytes = std::fs::read(path).expect("the file");
+    let start = 10 + usize::from(u16::from_le_bytes([bytes[8], bytes[9]]));
+    let header = String::from_utf8_lossy(&bytes[10..start]).into_owned();
+    assert!(bytes[..7] == *b"\x93NUMPY\x01" && header.contains("'<f8'"), "{header}");
+    let shape = header.split(['(', ')']).nth(1).expect("a shape");
+    let shape: Vec<usize> = shape.split(',').filter_map(|n| n.trim().parse().ok()).collect();
+    let values = bytes[start..].chunks_exact(8).map(|b| f64::from_le_bytes(b.try_into().expect("eight bytes")));
+    if header.contains("'fortran_order': True") {
+        DMatrix::from_iterator(shape[0], shape[1], values)
+    } else {
+        DMatrix::from_row_iterator(shape[0], shape[1], values)
+    }
+}
+
+/// The handles, energies and weights (before rows are divided by their sums) that libigl found on bodies-2k.
+struct Reference {
+    surface: Surface,
+    points: Vec<SurfacePoint>,
+    energies: Vec<f64>,
+    weights: DMatrix<f64>,
+}
+
+fn reference() -> Option<Reference> {
+    let folder = data()?.join("bodies-2k");
+    let surface = surface(&folder.join("source/rest.obj"));
+    let text = std::fs::read_to_string(folder.join("bbw.json")).expect("handles and energies");
+    let json: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    let handles = json["handles"].as_array().expect("handles").iter().filter_map(|v| Some(v.as_u64()? as usize));
+    let points = handles.map(|v| SurfacePoint::Vertex(surface.vertex_of[v])).collect();
+    let energies = json["energy"].as_array().expect("energies").iter().filter_map(|e| e.as_f64()).collect();
+    Some(Reference { surface, points, energies, weights: npy(&folder.join("bbw-weights.npy")) })
+}
+
+fn bind(settings: &str, surface: &Surface, points: &[SurfacePoint]) -> Box<dyn BoundWeights> {
+    let stage: Box<dyn Weights> = serde_json::from_str(settings).unwrap();
+    stage.bind(surface, points, None).unwrap()
+}
+
+fn solve(settings: &str, reference: &Reference) -> (DMatrix<f64>, Figures) {
+    let all: Vec<usize> = (0..reference.points.len()).collect();
+    let found = bind(settings, &reference.surface, &reference.points).solve(&all).unwrap();
+    (found.matrix, found.figures)
+}
+
+fn each_row_over_its_sum(mut weights: DMatrix<f64>) -> DMatrix<f64> {
+    weights.row_iter_mut().for_each(|mut row| row /= row.sum());
+    weights
+}
+
+#[test]
+fn bounded_biharmonic_weights_are_those_of_libigl_or_better() {
+    let Some(reference) = reference() else { return };
+    let (weights, figures) = solve(r#"{ "type": "bounded_biharmonic", "normalize": "none" }"#, &reference);
+    let energies: Vec<f64> = figures.values["energies"].as_array().unwrap().iter().filter_map(|e| e.as_f64()).collect();
+    for (k, (found, known)) in energies.iter().zip(&reference.energies).enumerate() {
+        assert!(*found <= known * (1.0 + 1e-4), "handle {k}: energy {found}, libigl has {known}");
+        assert!(*found >= known * (1.0 - 1e-6), "handle {k}: energy {found} is below the least there is, {known}");
+    }
+    assert!(weights.min() == 0.0 && weights.max() == 1.0, "{} to {}", weights.min(), weights.max());
+    for (k, point) in reference.points.iter().enumerate() {
+        let SurfacePoint::Vertex(v) = *point else { unreachable!("handles are vertices") };
+        for other in 0..reference.points.len() {
+            assert_eq!(weights[(v as usize, other)], f64::from(u8::from(k == other)));
+        }
+    }
+    let difference = (&weights - &reference.weights).amax();
+    println!("before rows are divided by their sums: {difference:.1e}");
+    assert!(difference < 2e-3, "{difference}");
+    assert!(figures.number("relative_gap").unwrap() <= 1e-6 && figures.warnings.is_empty(), "{figures:?}");
+
+    let (normalised, figures) = solve(r#"{ "type": "bounded_biharmonic" }"#, &reference);
+    let difference = (&normalised - each_row_over_its_sum(reference.weights)).amax();
+    println!("after: {difference:.1e}; {}", serde_json::to_string(&figures).unwrap());
+    assert!(difference < 2e-3, "{difference}");
+}
+
+#[test]
+fn unbounded_weights_are_near_bounded_ones_and_their_energy_is_lower() {
+    let Some(reference) = reference() else { return };
+    let (unbounded, figures) = solve(r#"{ "type": "biharmonic" }"#, &reference);
+    for (found, bounded) in figures.values["energies"].as_array().unwrap().iter().zip(&reference.energies) {
+        assert!(found.as_f64().unwrap() <= *bounded, "{found} and {bounded}: bounds only raise the energy");
+    }
+    let bounded = each_row_over_its_sum(reference.weights);
+    let mean = (&unbounded - &bounded).abs().mean();
+    println!("least {} greatest {} mean difference {mean}", unbounded.min(), unbounded.max());
+    assert!(mean < 0.05, "{mean}");
+}
+
+/// Vertices of a surface, each the farthest from those before.
+fn spread(surface: &Surface, count: usize) -> Vec<SurfacePoint> {
+    let sampler: Box<dyn Sampler> =
+        serde_json::from_str(&format!(r#"{{ "type": "farthest_point", "count": {count} }}"#)).unwrap();
+    sampler.sample(surface).unwrap()
+}
+
+#[test]
+fn a_body_of_13348_vertices_is_solved_to_the_same_tolerance() {
+    let Some(data) = data() else { return };
+    let surface = surface(&data.join("bodies/source/rest.obj"));
+    assert_eq!(surface.vertex_count(), 13_348);
+    let points = spread(&surface, 6);
+    let found = bind(r#"{ "type": "bounded_biharmonic" }"#, &surface, &points).solve(&[0, 1, 2, 3, 4, 5]).unwrap();
+    assert!(found.figures.number("relative_gap").unwrap() <= 1e-6 && found.figures.warnings.is_empty());
+    assert!(found.matrix.min() == 0.0 && found.matrix.max() == 1.0);
+}
+
+#[test]
+fn a_camel_with_edges_of_many_triangles_has_finite_weights() {
+    let Some(data) = data() else { return };
+    let surface = surface(&data.join("sumner-camel-poses/camel-reference.obj"));
+    let points = spread(&surface, 4);
+    for settings in [
+        r#"{ "type": "bounded_biharmonic", "tolerance": 1e-3 }"#,
+        r#"{ "type": "biharmonic" }"#,
+        r#"{ "type": "harmonic" }"#,
+        r#"{ "type": "geodesic_falloff" }"#,
+    ] {
+        let found = bind(settings, &surface, &points).solve(&[0, 1, 2, 3]).unwrap();
+        assert!(found.figures.warnings.is_empty(), "{settings}: {:?}", found.figures);
+        for row in found.matrix.row_iter() {
+            // The bilaplacian of 21,887 vertices leaves about half of the digits.
+            assert!((row.sum() - 1.0).abs() < 1e-6, "{settings}: {}", row.sum());
+        }
+    }
+}
+
+#[test]
+fn stones_without_a_handle_take_weights_over_bridges() {
+    let Some(data) = data() else { return };
+    let surface = surface(&data.join("pebble-camel/rest.obj"));
+    let tree: Box<dyn Proximity> = serde_json::from_str(r#"{ "type": "spanning_tree" }"#).unwrap();
+    let graph = tree.proximity(&surface).unwrap();
+    let points: Vec<_> = (0..12).map(|k| SurfacePoint::Vertex(k * (surface.vertex_count() as u32 / 12))).collect();
+    for settings in [r#"{ "type": "bounded_biharmonic", "tolerance": 1e-2 }"#, r#"{ "type": "biharmonic" }"#] {
+        let stage: Box<dyn Weights> = serde_json::from_str(settings).unwrap();
+        let all: Vec<usize> = (0..12).collect();
+        let found = stage.bind(&surface, &points, Some(&graph)).unwrap().solve(&all).unwrap();
+        assert!(found.figures.warnings.is_empty(), "{settings}: {:?}", found.figures);
+        for row in found.matrix.row_iter() {
+            assert!((row.sum() - 1.0).abs() < 1e-6, "{settings}: {}", row.sum());
+        }
+        let alone = stage.bind(&surface, &points, None).unwrap().solve(&all).unwrap_err().to_string();
+        assert!(alone.starts_with("components without a handle: "), "{alone}");
+    }
+}
