@@ -50,8 +50,11 @@ pub fn instances<S: StageKind + ?Sized>() -> Vec<(&'static str, Box<S>)> {
 
 /// The registered implementation of stage `S` of that name with default settings: what a stage takes for another one that it
 /// needs, where the user names none. `None` if no such implementation is linked into the program.
+///
+/// A default must not ask for an implementation of its own stage: telling the names of a stage needs all its defaults.
 pub fn instance<S: StageKind + ?Sized>(name: &str) -> Option<Box<S>> {
-    all().into_iter().filter(|plugin| (plugin.name)() == name).find_map(Plugin::default_instance::<S>)
+    let of_stage = inventory::iter::<Plugin>.into_iter().filter(|plugin| plugin.stage == S::NAME);
+    of_stage.filter(|plugin| (plugin.name)() == name).find_map(Plugin::default_instance::<S>)
 }
 
 /// Registers an implementation: `register!(Transfer: Gradient);`, once, at the top of the file that implements it.

@@ -37,7 +37,7 @@ pub fn parse(file: &Path, text: &str) -> Result<MarkerFile> {
             Some([source, target]) => entries.push(Entry {
                 name: None,
                 source: SurfacePoint::Vertex(source),
-                target: SurfacePoint::Vertex(target),
+                target: Some(SurfacePoint::Vertex(target)),
                 note: None,
                 place: Some(place(line)),
             }),
@@ -84,7 +84,7 @@ mod tests {
         let file = read("2\n750, 3386\n\n524 3737\n").unwrap();
         let points: Vec<_> = file.entries.iter().map(|e| (e.source, e.target)).collect();
         let vertex = SurfacePoint::Vertex;
-        assert_eq!(points, [(vertex(750), vertex(3386)), (vertex(524), vertex(3737))]);
+        assert_eq!(points, [(vertex(750), Some(vertex(3386))), (vertex(524), Some(vertex(3737)))]);
         assert_eq!(file.entries[1].place, Some(Place::Line { file: "m.cons".into(), line: 4 }));
     }
 
@@ -126,7 +126,7 @@ mod tests {
             let lines: String = pairs.iter().map(|(s, t)| format!("{s}, {t}\n")).collect();
             let file = read(&format!("{}\n{lines}", pairs.len())).unwrap();
             let back: Vec<_> = file.entries.iter().map(|e| (e.source, e.target)).collect();
-            let expected: Vec<_> = pairs.iter().map(|&(s, t)| (SurfacePoint::Vertex(s), SurfacePoint::Vertex(t))).collect();
+            let expected: Vec<_> = pairs.iter().map(|&(s, t)| (SurfacePoint::Vertex(s), Some(SurfacePoint::Vertex(t)))).collect();
             prop_assert_eq!(back, expected);
         }
     }

@@ -46,8 +46,8 @@ pub struct Entry {
     pub name: Option<String>,
     /// A vertex of the source mesh, or a place on one of its triangles.
     pub source: SurfacePoint,
-    /// A vertex of the target mesh, or a place on one of its triangles.
-    pub target: SurfacePoint,
+    /// A vertex of the target mesh, or a place on one of its triangles; `None` while it is still to be found.
+    pub target: Option<SurfacePoint>,
     /// A remark.
     pub note: Option<String>,
     /// Where the pair stands in its file.
@@ -86,7 +86,13 @@ pub fn from_landmarks(source: &MeshSequence, target: &MeshSequence) -> MarkerFil
     let targets: HashMap<&str, SurfacePoint> = target.landmarks.iter().map(|l| (l.name.as_str(), l.point)).collect();
     let pair = |source: &crate::core::mesh::Landmark| {
         let target = *targets.get(source.name.as_str())?;
-        Some(Entry { name: Some(source.name.clone()), source: source.point, target, note: None, place: None })
+        Some(Entry {
+            name: Some(source.name.clone()),
+            source: source.point,
+            target: Some(target),
+            note: None,
+            place: None,
+        })
     };
     MarkerFile { entries: source.landmarks.iter().filter_map(pair).collect(), ..MarkerFile::default() }
 }
@@ -103,8 +109,10 @@ impl MarkerFile {
         if let Some(mistake) = self.swapped(source, target) {
             return Err(mistake.into());
         }
+        mistakes.extend(self.incomplete());
         for (i, entry) in self.entries.iter().enumerate() {
-            let points = [(source, entry.source), (target, entry.target)].map(|(side, point)| {
+            let Some(of_target) = entry.target else { continue };
+            let points = [(source, entry.source), (target, of_target)].map(|(side, point)| {
                 on_surface(side, point).map_err(|message| {
                     let hint = "vertices and triangles count from 0; were source and target swapped, or has the mesh changed since?";
                     mistakes.push(entry.mistake(format!("marker {}: {message}", self.name(i))).hint(hint));
@@ -134,15 +142,37 @@ impl MarkerFile {
         }
     }
 
+    /// That markers have no target yet: which, in one sentence, at the first.
+    fn incomplete(&self) -> Option<Mistake> {
+        let missing: Vec<usize> = (0..self.entries.len()).filter(|&i| self.entries[i].target.is_none()).collect();
+        let first = *missing.first()?;
+        let name = |&i: &usize| match &self.entries[i].note {
+            Some(note) => format!("{} ({note})", self.name(i)),
+            None => self.name(i),
+        };
+        let message = match missing.len() {
+            1 => format!("marker {} has no target", name(&first)),
+            count => {
+                let names: Vec<_> = missing.iter().map(name).collect();
+                format!("{count} of {} markers have no target: {}", self.entries.len(), names.join("; "))
+            }
+        };
+        let hint = "write the vertex of the target at the same place, e.g. `{ source: 750, target: 3386 }`";
+        Some(self.entries[first].mistake(message).hint(hint))
+    }
+
     /// That several markers do not exist, and all would with source and target exchanged.
     fn swapped(&self, source: Side<'_>, target: Side<'_>) -> Option<Mistake> {
         let wrong = |entry: &&Entry| {
-            let of = [(source, entry.source), (target, entry.target)];
+            let of = [(source, entry.source), (target, entry.target?)];
             of.into_iter().find_map(|(side, point)| on_surface(side, point).err())
         };
         let wrong: Vec<_> =
             self.entries.iter().enumerate().filter_map(|(i, entry)| Some((i, wrong(&entry)?))).collect();
-        let fits = |entry: &Entry| on_surface(source, entry.target).is_ok() && on_surface(target, entry.source).is_ok();
+        let fits = |entry: &Entry| {
+            entry.target.is_none_or(|point| on_surface(source, point).is_ok())
+                && on_surface(target, entry.source).is_ok()
+        };
         let ([(i, first), _, ..], true) = (&wrong[..], self.entries.iter().all(fits)) else { return None };
         let message = format!(
             "marker {}: {first}; so it is with {} of {} markers, and with none if source and target are exchanged",
@@ -306,7 +336,7 @@ mod tests {
         assert_eq!(file.entries.len(), 1);
         assert_eq!(
             (file.entries[0].source, file.entries[0].target),
-            (SurfacePoint::Vertex(0), SurfacePoint::Vertex(1))
+            (SurfacePoint::Vertex(0), Some(SurfacePoint::Vertex(1)))
         );
     }
 }

@@ -81,7 +81,7 @@ pub fn write(file: &MarkerFile) -> String {
         let fields = [
             entry.name.as_ref().map(|name| format!("name: {}", quote(name))),
             Some(format!("source: {}", point_text(entry.source))),
-            Some(format!("target: {}", point_text(entry.target))),
+            Some(format!("target: {}", entry.target.map_or_else(|| "null".into(), point_text))),
             entry.note.as_ref().map(|note| format!("note: {}", quote(note))),
         ];
         let fields: Vec<_> = fields.into_iter().flatten().collect();
@@ -173,20 +173,16 @@ fn entry(document: &Document, i: usize, mistakes: &mut Vec<Mistake>) -> Option<E
     if mistakes.len() > before {
         return None;
     }
-    let missing: Vec<_> = [("source", &raw.source), ("target", &raw.target)]
-        .iter()
-        .filter(|(_, p)| p.is_none())
-        .map(|(s, _)| *s)
-        .collect();
-    let (Some(source), Some(target)) = (raw.source, raw.target) else {
+    let Some(source) = raw.source else {
         let name = raw.name.unwrap_or_else(|| (i + 1).to_string());
-        let message = format!("marker {name} has no {}", missing.join(" and no "));
+        let also = if raw.target.is_some() { "" } else { " and no target" };
+        let message = format!("marker {name} has no source{also}");
         let hint = "a marker needs a point on both meshes, e.g. `{ source: 750, target: 3386 }`";
         mistakes.push(document.mistake(&path, At::Value, message).hint(hint));
         return None;
     };
     let place = Some(document.place(&path, At::Value));
-    Some(Entry { name: raw.name, source: source.0, target: target.0, note: raw.note, place })
+    Some(Entry { name: raw.name, source: source.0, target: raw.target.map(|point| point.0), note: raw.note, place })
 }
 
 /// A vertex as a number or as `{ vertex: 4 }`, or `{ triangle: 12, barycentric: [0.2, 0.3, 0.5] }`.
@@ -273,7 +269,7 @@ mod tests {
         assert_eq!(file.source.unwrap().vertices, Some(9));
         assert_eq!(file.entries[0].name.as_deref(), Some("ear"));
         assert_eq!(file.entries[1].source, SurfacePoint::Triangle(12, [0.2, 0.3, 0.5]));
-        assert_eq!(file.entries[1].target, SurfacePoint::Vertex(4));
+        assert_eq!(file.entries[1].target, Some(SurfacePoint::Vertex(4)));
     }
 
     #[test]
@@ -286,7 +282,6 @@ mod tests {
         assert_eq!(
             first_lines(text),
             [
-                "2:5: marker 1 has no target",
                 "3:15: `source`: expected a vertex (a whole number from 0) or `{ triangle: …, barycentric: [a, b, c] }`, found -1",
                 "3:27: `target`: expected a vertex (a whole number from 0) or `{ triangle: …, barycentric: [a, b, c] }`, found the text \"x\"",
                 "4:18: unknown key `targt`",
@@ -323,7 +318,7 @@ mod tests {
     proptest! {
         #[test]
         fn what_is_written_is_read_back(
-            entries in prop::collection::vec((point(), point(), prop::option::of(".{0,8}")), 0..6),
+            entries in prop::collection::vec((point(), prop::option::of(point()), prop::option::of(".{0,8}")), 0..6),
             mesh in prop::option::of(".{0,8}"), vertices in prop::option::of(0usize..1000),
         ) {
             let entries = entries.into_iter().enumerate().map(|(i, (source, target, note))| {

@@ -11,12 +11,16 @@ use super::{
     At, Document, Pipeline, Step, ranges,
     words::{did_you_mean, nearest, tell},
 };
-use crate::mistake::Mistake;
+use crate::{
+    core::{plugin, stage::Transfer},
+    mistake::Mistake,
+};
 
 /// The keys of a pipeline, in the order of its documentation.
-pub const SLOTS: [&str; 11] = [
+pub const SLOTS: [&str; 12] = [
     "source",
     "target",
+    "key_points",
     "markers",
     "proximity",
     "correspondence",
@@ -40,9 +44,14 @@ pub fn parse(document: &Document) -> (Pipeline, Vec<Mistake>) {
     let pipeline = Pipeline {
         source: slots.required("source").unwrap_or_default(),
         target: slots.required("target").unwrap_or_default(),
+        key_points: slots.optional("key_points"),
         markers: slots.optional("markers"),
         proximity: slots.optional("proximity"),
-        correspondence: slots.required("correspondence"),
+        correspondence: if slots.does_without_correspondence() {
+            slots.optional("correspondence")
+        } else {
+            slots.required("correspondence")
+        },
         keep_correspondence: slots.optional("keep_correspondence"),
         transfer: slots.required("transfer"),
         truth: slots.optional("truth"),
@@ -113,6 +122,13 @@ impl Slots<'_> {
         }
     }
 
+    /// Whether the transfer is one that looks at no correspondence.
+    fn does_without_correspondence(&self) -> bool {
+        let name = self.document.value.get("transfer").and_then(|transfer| transfer.get("type")?.as_str());
+        let transfer = name.and_then(plugin::instance::<dyn Transfer>);
+        transfer.is_some_and(|transfer| !transfer.needs_correspondence())
+    }
+
     fn optional<T: DeserializeOwned>(&mut self, key: &str) -> Option<T> {
         self.at(&[Step::Key(key.into())])
     }
@@ -176,7 +192,12 @@ pub(super) fn stage_at(path: &[Step]) -> Option<String> {
     let keys: Vec<_> = keys.iter().map(String::as_str).collect();
     match keys[..] {
         ["source" | "target", "sample"] => Some("sample".into()),
-        ["proximity" | "correspondence" | "transfer"] => Some(keys[0].into()),
+        ["key_points" | "proximity" | "correspondence" | "transfer"] => Some(keys[0].into()),
+        ["key_points" | "transfer", .., "ranking"] => Some("weights".into()),
+        // Stages nested in stages are called as what they are.
+        ["key_points" | "transfer", .., key] if plugin::all().iter().any(|plugin| plugin.stage == key) => {
+            Some(key.into())
+        }
         ["metrics", _] => Some("metric".into()),
         ["formats", _] => Some("format".into()),
         _ => None,
@@ -240,7 +261,7 @@ mod tests {
         let schema = schemars::schema_for!(Pipeline);
         let properties: Vec<_> = schema.get("properties").unwrap().as_object().unwrap().keys().cloned().collect();
         assert_eq!(properties, SLOTS);
-        let required = serde_json::json!(["source", "target", "correspondence", "transfer", "output"]);
+        let required = serde_json::json!(["source", "target", "transfer", "output"]);
         assert_eq!(schema.get("required"), Some(&required));
     }
 

@@ -7,7 +7,8 @@ use nalgebra::Point3;
 use rayon::prelude::*;
 
 use super::{
-    check::{Output, PoseFrom, PoseInput, Prepared},
+    Formats,
+    check::{Output, PoseFrom, PoseInput, Prepared, Side},
     report::{PoseReport, measure},
     run::of_pose,
     staging::{self, Staged},
@@ -145,7 +146,8 @@ impl Bench<'_> {
 
     fn posed(&self, pose: &PoseInput) -> std::result::Result<Vec<Point3<f64>>, Mistake> {
         let file = if let PoseFrom::File(file) = &pose.from { Some(file.as_path()) } else { None };
-        self.read(&pose.from).map_err(|error| of_pose(&pose.name, file, None, error))
+        read(&self.prepared.source, &self.prepared.formats, &pose.from)
+            .map_err(|error| of_pose(&pose.name, file, None, error))
     }
 
     fn moved(
@@ -176,19 +178,6 @@ impl Bench<'_> {
         });
         self.watch.pose_done();
         done
-    }
-
-    fn read(&self, from: &PoseFrom) -> Result<Vec<Point3<f64>>> {
-        let sequence = &self.prepared.source.sequence;
-        let positions = match from {
-            PoseFrom::Held(i) => sequence.poses[*i].positions.clone(),
-            PoseFrom::File(path) => match self.prepared.formats.reader(path) {
-                Ok(format) => format.read_pose(path, &sequence.rest)?,
-                Err(unknown) => return Err(Error::file(path, unknown.message, unknown.hint)),
-            },
-        };
-        check_finite(&positions)?;
-        Ok(positions)
     }
 
     fn transfer(
@@ -243,6 +232,38 @@ impl Bench<'_> {
         }
         Ok(files)
     }
+}
+
+/// At most `count` poses of the source surface, spread over all; those that cannot be read are left out, and told when their
+/// turn comes.
+///
+/// # Errors
+///
+/// None but of the program itself.
+pub fn some(prepared: &Prepared, count: usize) -> Result<Vec<Vec<Point3<f64>>>> {
+    let all = prepared.poses.len();
+    let chosen: Vec<usize> =
+        if count >= all { (0..all).collect() } else { (0..count).map(|k| k * all / count).collect() };
+    let one = |&i: &usize| read(&prepared.source, &prepared.formats, &prepared.poses[i].from).ok();
+    let read: Vec<_> = chosen.par_iter().filter_map(one).collect();
+    read.iter().map(|positions| prepared.source.surface.from_mesh(positions)).collect()
+}
+
+/// The vertices of the source in one pose.
+///
+/// # Errors
+///
+/// If it cannot be read, is no pose of the source, or is not finite.
+pub fn read(source: &Side, formats: &Formats, from: &PoseFrom) -> Result<Vec<Point3<f64>>> {
+    let positions = match from {
+        PoseFrom::Held(i) => source.sequence.poses[*i].positions.clone(),
+        PoseFrom::File(path) => match formats.reader(path) {
+            Ok(format) => format.read_pose(path, &source.sequence.rest)?,
+            Err(unknown) => return Err(Error::file(path, unknown.message, unknown.hint)),
+        },
+    };
+    check_finite(&positions)?;
+    Ok(positions)
 }
 
 /// An error of writing, with the path that it was written to.

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use super::{
     check::Prepared,
     hash::hash_file,
-    poses::{Bench, Stream},
+    poses::{self, Bench, Stream},
     process,
     report::{Clock, InputFile, MeshFigures, Report, StageReport, over_poses},
     staging,
@@ -61,8 +61,7 @@ struct Run<'a> {
 impl Run<'_> {
     fn run(mut self, set: &[String]) -> Result<Outcome> {
         let prepared = self.prepared;
-        let (Some(correspondence), Some(transfer)) = (&prepared.pipeline.correspondence, &prepared.pipeline.transfer)
-        else {
+        let Some(transfer) = &prepared.pipeline.transfer else {
             return Err(Mistake::new(Status::Internal, "a pipeline without stages was taken for checked").into());
         };
         let (source, target) = (&prepared.source, &prepared.target);
@@ -82,15 +81,19 @@ impl Run<'_> {
             proximity: graph.as_ref(),
         };
 
-        let map = self.stage("correspondence", correspondence.typetag_name(), || {
-            let map = correspondence.correspond(pair)?;
-            map.check(pair)?;
-            let mut figures = map.figures.clone();
-            figures.set("orphans", map.orphan_count());
-            Ok((map, figures))
-        })?;
+        let map = match &prepared.pipeline.correspondence {
+            None => TriangleMap::unknown(pair),
+            Some(correspondence) => self.stage("correspondence", correspondence.typetag_name(), || {
+                let map = correspondence.correspond(pair)?;
+                map.check(pair)?;
+                let mut figures = map.figures.clone();
+                figures.set("orphans", map.orphan_count());
+                Ok((map, figures))
+            })?,
+        };
+        let learned = poses::some(prepared, transfer.poses_wanted())?;
         let bound = self.stage("transfer", transfer.typetag_name(), || {
-            let bound = transfer.bind(pair, &map)?;
+            let bound = transfer.bind_to_poses(pair, &map, &learned)?;
             let figures = bound.figures();
             Ok((bound, figures))
         })?;

@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::OneOrMany;
-use crate::core::stage::{Correspondence, Format, Metric, Proximity, Sample, Transfer};
+use crate::core::stage::{Correspondence, Format, KeyPoints, Metric, Proximity, Sample, Transfer};
 
 /// A pipeline: a source with its poses, a target, and how the target takes the poses.
 ///
@@ -16,6 +16,10 @@ pub struct Pipeline {
     pub source: Source,
     /// The mesh that takes the motion.
     pub target: Target,
+    /// How `mimesh keypoints` chooses points on the source, whose partners on the target are then to be found; a run does not
+    /// use it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub key_points: Option<Box<dyn KeyPoints>>,
     /// File of corresponding points: `.cons` (a count, then `source, target` vertices from 0) or mimesh's own YAML.
     ///
     /// Left out, landmarks of equal names are the markers, where both meshes have landmarks (samples do).
@@ -26,8 +30,8 @@ pub struct Pipeline {
     /// components without markers to follow those that have them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub proximity: Option<Box<dyn Proximity>>,
-    /// How triangles of source and target are paired.
-    #[schemars(required)]
+    /// How triangles of source and target are paired; `transfer: { type: biharmonic }` does without.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub correspondence: Option<Box<dyn Correspondence>>,
     /// Writes the triangle pairs to this JSON file, for `correspondence: { type: from_file, path: … }`.
     #[serde(skip_serializing_if = "Option::is_none")]

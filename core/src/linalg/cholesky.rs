@@ -227,3 +227,32 @@ fn view(matrix: &CscMatrix<f64>) -> SparseColMatRef<'_, usize, f64> {
     let pattern = SymbolicSparseColMatRef::new_checked(matrix.nrows(), matrix.ncols(), starts, None, rows);
     SparseColMatRef::new(pattern, values)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::linalg::Assembly;
+
+    #[test]
+    fn dense_blocks_give_the_same_solution() {
+        let n = 60;
+        let mut assembly = Assembly::new(n);
+        (0..n as u32 - 2).for_each(|i| assembly.add_outer(&[i, i + 1, i + 2], &[[1.0], [-2.0], [1.0]], 1.0));
+        (0..n).for_each(|i| assembly.add(i, i, 0.1));
+        let lower = assembly.finish();
+        let plain = Cholesky::new(lower.clone(), "the test").unwrap();
+        let mut blocks = Cholesky::for_refactoring(lower, "the test").unwrap();
+        let right: Vec<f64> = (0..n).map(|i| (i as f64).sin()).collect();
+        let solve = |cholesky: &Cholesky| {
+            let mut x = right.clone();
+            cholesky.solve_in_place(&mut x, 1);
+            x
+        };
+        let far = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max);
+        // Rounding at a condition of 160.
+        assert!(far(&solve(&plain), &solve(&blocks)) < 1e-12);
+        blocks.refactor(|values| values.iter_mut().for_each(|v| *v *= 2.0)).unwrap();
+        let halved: Vec<f64> = solve(&plain).iter().map(|x| x / 2.0).collect();
+        assert!(far(&halved, &solve(&blocks)) < 1e-12);
+    }
+}

