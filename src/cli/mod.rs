@@ -4,6 +4,7 @@ mod check;
 mod completions;
 mod components;
 mod inspect;
+mod keypoints;
 mod list;
 mod progress;
 mod run;
@@ -43,6 +44,8 @@ struct Cli {
 enum Command {
     Run(run::Run),
     Check(check::Check),
+    #[command(name = "keypoints")]
+    KeyPoints(keypoints::KeyPoints),
     List(list::List),
     Show(show::Show),
     Schema(schema::SchemaOf),
@@ -66,6 +69,7 @@ pub fn main() -> ExitCode {
     let result = match cli.command {
         Command::Run(command) => command.run(),
         Command::Check(command) => command.run(),
+        Command::KeyPoints(command) => command.run(),
         Command::List(command) => command.run(),
         Command::Show(command) => command.run(),
         Command::Schema(command) => command.run(),

@@ -8,6 +8,7 @@ pub mod check;
 pub mod document;
 mod formats;
 mod hash;
+pub mod key_points;
 mod one_or_many;
 pub mod overrides;
 pub mod parse;
@@ -24,7 +25,7 @@ mod testing;
 mod watch;
 pub mod words;
 
-pub use check::{Options, Prepared, prepare};
+pub use check::{Options, Prepared, PreparedSource, prepare, prepare_source};
 pub use document::{At, Document, Step};
 pub use formats::{Formats, Unknown, Writes};
 pub use hash::hash_file;

@@ -7,21 +7,30 @@
 //! Departures: T acts in the source's own frame, and so would move a target that is elsewhere, turned or of another size the
 //! wrong distance. A similarity is fitted from the markers, the target brought into the source's frame by it, moved, and
 //! brought back (`frame: source` for the paper, which moves the target where it is).
+//!
+//! A target of other proportions than the source has its joints elsewhere, and maps that turn about the source's joints tear
+//! at them. So the blend is not taken at the target's vertices x but at y = x − Σₖ Wᵢₖ oₖ, where o are the ways from the source's
+//! handles to the target's: at about the points of the source that correspond. The target takes the deformation gradients
+//! from y to the blend, integrated over its own surface (`reconstruction: blend` for the paper). Where source and target have
+//! the same shape, both are the same.
 
 use mimesh_core::{
     Error, Figures, Result,
     mesh::{Surface, SurfacePoint, check_finite},
-    operators::linear_blend,
+    operators::{DeformationGradients, linear_blend},
     plugin::instance,
     register,
     spatial::{Orientation, Similarity},
     stage::{
-        BoundTransfer, Clusterer, Deformer, HandleWeights, Pair, Skin, Transfer, Transferred, TriangleMap, Weights,
+        BoundTransfer, Clusterer, Deformer, HandleWeights, Marker, Pair, Skin, Transfer, Transferred, TriangleMap,
+        Weights,
     },
 };
-use nalgebra::Point3;
+use nalgebra::{DMatrix, Matrix3, Matrix3x4, Point3, Vector3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+
+use crate::{loose::Loose, poisson::Poisson};
 
 register!(Transfer: Biharmonic);
 
@@ -41,6 +50,8 @@ pub struct Biharmonic {
     pub frame: Frame,
     /// How source and target are turned to each other at rest.
     pub orientation: Orientation,
+    /// How the maps become positions.
+    pub reconstruction: Reconstruction,
     /// Most poses that the regions are learned from; they are held in memory together.
     #[schemars(range(min = 1))]
     pub learn_from: usize,
@@ -57,6 +68,18 @@ pub enum Frame {
     Source,
 }
 
+/// How the maps of the handles become positions of the target.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Reconstruction {
+    /// The gradients of the blend at corresponding places of the source, integrated over the target: limbs turn about the
+    /// target's own joints.
+    #[default]
+    Gradients,
+    /// The blend at the target's own vertices, as in the paper (eq. 2): limbs turn about the source's joints.
+    Blend,
+}
+
 impl Default for Biharmonic {
     fn default() -> Self {
         Self {
@@ -65,6 +88,7 @@ impl Default for Biharmonic {
             deformer: instance("arap_skinning"),
             frame: Frame::Fitted,
             orientation: Orientation::Auto,
+            reconstruction: Reconstruction::Gradients,
             learn_from: 32,
         }
     }
@@ -122,8 +146,12 @@ impl Transfer for Biharmonic {
             figures.warnings.extend(found.warnings.iter().map(|warning| format!("{side}: {warning}")));
         }
         let in_source = target_from_source.inverse();
-        let rest = pair.target.positions.iter().map(|x| in_source.apply(x)).collect();
-        Ok(Box::new(Bound { skin, weights: of_target, rest, target_from_source, figures }))
+        let rest: Vec<_> = pair.target.positions.iter().map(|x| in_source.apply(x)).collect();
+        let integral = match self.reconstruction {
+            Reconstruction::Blend => None,
+            Reconstruction::Gradients => Some(Integral::new(pair, &of_target, rest.clone(), &in_source)?),
+        };
+        Ok(Box::new(Bound { skin, weights: of_target, rest, integral, target_from_source, figures }))
     }
 
     fn check(&self, pair: Pair<'_>) -> Result<()> {
@@ -168,6 +196,7 @@ struct Bound {
     weights: HandleWeights,
     /// The target at rest in the source's frame.
     rest: Vec<Point3<f64>>,
+    integral: Option<Integral>,
     target_from_source: Similarity,
     figures: Figures,
 }
@@ -175,7 +204,10 @@ struct Bound {
 impl BoundTransfer for Bound {
     fn transfer(&self, posed: &[Point3<f64>]) -> Result<Transferred> {
         let fit = self.skin.fit(posed)?;
-        let moved = linear_blend(&self.weights.matrix, &fit.transforms, &self.rest)?;
+        let moved = match &self.integral {
+            None => linear_blend(&self.weights.matrix, &fit.transforms, &self.rest)?,
+            Some(integral) => integral.positions(&self.weights.matrix, &fit.transforms)?,
+        };
         let positions: Vec<_> = moved.iter().map(|q| self.target_from_source.apply(q)).collect();
         check_finite(&positions)?;
         Ok(Transferred { positions, figures: fit.figures })
@@ -183,5 +215,89 @@ impl BoundTransfer for Bound {
 
     fn figures(&self) -> Figures {
         self.figures.clone()
+    }
+}
+
+/// The target at corresponding places of the source, and how gradients there become positions of the target.
+#[derive(Debug)]
+struct Integral {
+    /// y.
+    places: Vec<Point3<f64>>,
+    gradients: DeformationGradients,
+    poisson: Poisson,
+    loose: Loose,
+    triangles: Vec<[u32; 3]>,
+    /// x: the target at rest in the source's frame.
+    rest: Vec<Point3<f64>>,
+    /// The vertices of each component with their shares of its area.
+    components: Vec<Vec<(u32, f64)>>,
+}
+
+impl Integral {
+    fn new(pair: Pair<'_>, weights: &HandleWeights, rest: Vec<Point3<f64>>, in_source: &Similarity) -> Result<Self> {
+        let target = Surface { positions: rest, ..pair.target.clone() };
+        let offset = |marker: &Marker| {
+            let on_target = in_source.apply(&marker.target.position(pair.target, &pair.target.positions));
+            on_target - marker.source.position(pair.source, &pair.source.positions)
+        };
+        let mut places = target.positions.clone();
+        for (column, marker) in weights.matrix.column_iter().zip(pair.markers) {
+            let offset = offset(marker);
+            places.iter_mut().zip(column.iter()).for_each(|(y, w)| *y -= offset * *w);
+        }
+        let areas = target.area_normals(&target.positions);
+        let components = target.components();
+        let mut shares = vec![0.0; target.vertex_count()];
+        for (corners, area) in target.triangles.iter().zip(&areas) {
+            corners.iter().for_each(|&v| shares[v as usize] += area.norm());
+        }
+        let mut members = vec![Vec::new(); components.count()];
+        for (v, c) in components.of_vertex.iter().enumerate() {
+            if let Some(c) = c {
+                members[*c as usize].push((v as u32, shares[v]));
+            }
+        }
+        for members in &mut members {
+            let total: f64 = members.iter().map(|(_, share)| share).sum();
+            let count = members.len() as f64;
+            members.iter_mut().for_each(|(_, share)| *share = if total > 0.0 { *share / total } else { 1.0 / count });
+        }
+        Ok(Self {
+            gradients: DeformationGradients::new(&places, &target.triangles),
+            poisson: Poisson::new(&target, |area| area)?,
+            loose: Loose::new(&target),
+            triangles: target.triangles.clone(),
+            rest: target.positions,
+            places,
+            components: members,
+        })
+    }
+
+    /// The target in the source's frame for maps `transforms`.
+    fn positions(&self, weights: &DMatrix<f64>, transforms: &[Matrix3x4<f64>]) -> Result<Vec<Point3<f64>>> {
+        let blend = linear_blend(weights, transforms, &self.places)?;
+        let gradient = |t: usize| {
+            if self.gradients.is_defined(t) {
+                return self.gradients.of_triangle(t, &blend);
+            }
+            // Without area at the source's place: as the maps have it.
+            let corner = |v: u32| -> Matrix3<f64> {
+                let row = weights.row(v as usize);
+                row.iter().zip(transforms).map(|(w, t)| t.fixed_columns::<3>(0) * *w).sum()
+            };
+            self.triangles[t].iter().map(|&v| corner(v)).sum::<Matrix3<f64>>() / 3.0
+        };
+        let field: Vec<_> = (0..self.triangles.len()).map(gradient).collect();
+        let mut positions = self.poisson.solve(&field, 0, 1.0)?.positions;
+        for members in &self.components {
+            let mean = |points: &[Point3<f64>]| -> Vector3<f64> {
+                members.iter().map(|&(v, share)| points[v as usize].coords * share).sum()
+            };
+            let goal = mean(&self.rest) + mean(&blend) - mean(&self.places);
+            let shift = goal - mean(&positions);
+            members.iter().for_each(|&(v, _)| positions[v as usize] += shift);
+        }
+        self.loose.place(|t| field[t], &mut positions);
+        Ok(positions)
     }
 }

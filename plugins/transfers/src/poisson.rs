@@ -15,7 +15,7 @@ const DEGENERATE_WEIGHT: f64 = 1e-4;
 /// Reweighting stops once a step lowers the energy by less than this part of it.
 const CONVERGED: f64 = 1e-3;
 
-/// Minimises Σ_t w_t ρ(‖(F̂_t − F_t) P_t‖) over the posed vertices of a connected surface, for any number of fields F̂.
+/// Minimises Σ_t w_t ρ(‖(F̂_t − F_t) P_t‖) over the posed vertices of a surface, for any number of fields F̂.
 ///
 /// In the 3 × 2 edge form (Botsch et al. 2006): P_t projects onto the plane of triangle t, and the fourth vertex of Sumner
 /// and Popović 2004 drops out. ρ(r) = r² is their least squares, for which the matrix (with w_t the area, the cotangent
@@ -29,9 +29,10 @@ pub struct Poisson {
     ties: Vec<f64>,
     elements: Vec<Element>,
     rest: Vec<Point3<f64>>,
-    /// For each vertex its unknown; `None` for the anchor and for vertices without a triangle.
+    /// For each vertex its unknown; `None` for anchors and for vertices without a triangle.
     unknown: Vec<Option<u32>>,
-    anchor: u32,
+    /// For each vertex the anchor of its component; itself without a triangle.
+    anchor: Vec<u32>,
 }
 
 /// A triangle of the surface.
@@ -66,7 +67,7 @@ impl Poisson {
     ///
     /// # Errors
     ///
-    /// [`Error::Singular`](mimesh_core::Error::Singular) if the target is not connected.
+    /// [`Error::Singular`](mimesh_core::Error::Singular) if positions do not say where a vertex is, as those that are not finite.
     pub fn new(target: &Surface, weight: impl Fn(f64) -> f64) -> Result<Self> {
         let (unknown, anchor) = unknowns(target);
         let mut elements: Vec<_> =
@@ -115,7 +116,8 @@ impl Poisson {
 
     /// The posed vertices for the field `field` (#F): least squares, then at most `steps` reweightings with ε = `epsilon`.
     ///
-    /// The first corner of the first triangle stays where it is at rest; of vertices without a triangle this says nothing.
+    /// The first corner of the first triangle of each component stays where it is at rest; of vertices without a triangle this
+    /// says nothing.
     ///
     /// # Errors
     ///
@@ -166,9 +168,9 @@ impl Poisson {
         }
         // Relative to the anchor, which drops out by that.
         system.solve_in_place(&mut x, 3);
-        let anchor = self.rest[self.anchor as usize];
+        let anchor = |v: usize| self.rest[self.anchor[v] as usize];
         let place = |v: usize| match self.unknown[v] {
-            Some(i) => anchor + nalgebra::Vector3::new(x[i as usize], x[n + i as usize], x[2 * n + i as usize]),
+            Some(i) => anchor(v) + nalgebra::Vector3::new(x[i as usize], x[n + i as usize], x[2 * n + i as usize]),
             None => self.rest[v],
         };
         (0..self.rest.len()).map(place).collect()
@@ -218,12 +220,18 @@ fn add_stiffness(elements: &[Element], weight: impl Fn(usize) -> f64, values: &m
     }
 }
 
-/// A number for each vertex that a triangle uses but for one, the anchor; and the anchor.
-fn unknowns(target: &Surface) -> (Vec<Option<u32>>, u32) {
-    let anchor = target.triangles.first().map_or(0, |t| t[0]);
+/// A number for each vertex that a triangle uses but for one a component, its anchor; and for each vertex its anchor.
+fn unknowns(target: &Surface) -> (Vec<Option<u32>>, Vec<u32>) {
+    let components = target.components();
+    let mut anchor: Vec<u32> = (0..target.vertex_count() as u32).collect();
+    let mut first = vec![None; components.count()];
     let mut used = vec![false; target.vertex_count()];
-    target.triangles.iter().flatten().for_each(|&v| used[v as usize] = true);
-    used[anchor as usize] = false;
+    for &v in target.triangles.iter().flatten() {
+        if let Some(c) = components.of_vertex[v as usize] {
+            anchor[v as usize] = *first[c as usize].get_or_insert(v);
+            used[v as usize] = anchor[v as usize] != v;
+        }
+    }
     let mut count = 0;
     let number = |used: &bool| {
         used.then(|| {

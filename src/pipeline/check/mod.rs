@@ -3,6 +3,7 @@
 mod markers;
 mod meshes;
 mod outputs;
+mod source_only;
 mod stages;
 mod truth;
 
@@ -10,6 +11,7 @@ use std::path::{Path, PathBuf};
 
 pub use meshes::{PoseFrom, PoseInput, Side, in_file, nearby};
 pub use outputs::{Output, Outputs};
+pub use source_only::{PreparedSource, prepare_source};
 pub use truth::Truth;
 
 use serde_json::Value;
@@ -104,15 +106,7 @@ pub fn prepare(file: &Path, options: &Options) -> Result<Prepared> {
     let metrics = check.metrics(pipeline.metrics.take(), &truth);
     check.stages(&mut pipeline, source.as_ref(), target.as_ref(), markers.as_deref());
     let outputs = check.outputs(&pipeline, &poses, options.out.as_deref());
-    if !check.mistakes.is_empty() {
-        check.mistakes.sort_by_key(|mistake| match &mistake.place {
-            Some(Place::Span { file: place, line, column, .. }) if place == file => (0, *line, *column),
-            // Options have no place in the file, and what is wrong in other files comes after.
-            Some(Place::Option(_)) => (1, 0, 0),
-            _ => (2, 0, 0),
-        });
-        return Err(Failure { mistakes: check.mistakes });
-    }
+    check.end(file)?;
     let (Some(source), Some(target), Some(markers)) = (source, target, markers) else {
         return Err(Mistake::new(Status::Internal, "a mesh was refused without a reason").into());
     };
@@ -145,6 +139,20 @@ struct Check<'a> {
 }
 
 impl Check<'_> {
+    /// All mistakes in the order of the file, if there are any.
+    fn end(&mut self, file: &Path) -> Result<()> {
+        if self.mistakes.is_empty() {
+            return Ok(());
+        }
+        self.mistakes.sort_by_key(|mistake| match &mistake.place {
+            Some(Place::Span { file: place, line, column, .. }) if place == file => (0, *line, *column),
+            // Options have no place in the file, and what is wrong in other files comes after.
+            Some(Place::Option(_)) => (1, 0, 0),
+            _ => (2, 0, 0),
+        });
+        Err(Failure { mistakes: std::mem::take(&mut self.mistakes) })
+    }
+
     fn wrong(&mut self, path: &[Step], at: At, message: impl Into<String>, hint: impl Into<String>) {
         self.mistakes.push(self.document.mistake(path, at, message).hint(hint));
     }

@@ -1,0 +1,202 @@
+use std::{
+    io::Write,
+    path::{Path, PathBuf},
+    sync::atomic::{AtomicBool, Ordering},
+    time::Instant,
+};
+
+use indicatif::{ProgressBar, ProgressStyle};
+use serde_json::json;
+
+use super::{Ended, terminal};
+use crate::{
+    core::stage::{ChoiceStep, ChoiceWatch},
+    markers::{self, MarkerFile},
+    mistake::{Mistake, Place, Result},
+    pipeline::{self, Options, PreparedSource, key_points, staging},
+    status::Status,
+};
+
+/// Chooses the few points of the source that tell its poses best, and writes them as markers to be completed.
+///
+/// Looks at the pipeline's source, its poses and `key_points`. The file has the source side of every marker, with a note of
+/// where it is; write the target's vertices in, and run the pipeline.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  mimesh keypoints horse.yaml
+  mimesh keypoints horse.yaml --count 12 --output horse.markers.yaml
+  mimesh keypoints horse.yaml --resume        goes on where it was interrupted, and keeps targets found so far")]
+pub struct KeyPoints {
+    /// The pipeline's YAML file
+    pipeline: PathBuf,
+    /// Where to write the markers [default: `markers` of the pipeline, else PIPELINE.markers.yaml]
+    #[arg(long, short, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Most key points; the same as --set key_points.max_count=N
+    #[arg(long, value_name = "N")]
+    count: Option<usize>,
+    /// Write the curve of errors over the number of points into this SVG file
+    #[arg(long, value_name = "FILE")]
+    curve: Option<PathBuf>,
+    /// Start from the points that the file of markers has already
+    #[arg(long)]
+    resume: bool,
+    /// Replace the file of markers if there is one
+    #[arg(long, conflicts_with = "resume")]
+    force: bool,
+    /// Replace a value of the pipeline, e.g. key_points.threshold=0.02
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    settings: Vec<String>,
+    /// Print the points and the steps as JSON
+    #[arg(long)]
+    json: bool,
+    /// Tell nothing but errors
+    #[arg(long, short)]
+    quiet: bool,
+}
+
+impl KeyPoints {
+    /// Runs the command.
+    pub fn run(&self) -> Ended {
+        let mut settings = self.settings.clone();
+        if let Some(count) = self.count {
+            settings.extend(["key_points.type=greedy".into(), format!("key_points.max_count={count}")]);
+        }
+        let prepared = pipeline::prepare_source(&self.pipeline, &Options { settings, out: None })?;
+        let output = self.place(&prepared);
+        let before = self.before(&output)?;
+
+        static INTERRUPTED: AtomicBool = AtomicBool::new(false);
+        // The second interrupt does not wait for the step on its way.
+        let _ = ctrlc::set_handler(|| {
+            if INTERRUPTED.swap(true, Ordering::Relaxed) {
+                staging::discard_all_and_exit(Status::Interrupted as u8);
+            }
+        });
+        let telling = Telling::new(self.quiet, &INTERRUPTED);
+        let started = Instant::now();
+        let chosen = key_points::choose(&prepared, &before, &telling);
+        telling.bar.finish_and_clear();
+        let chosen = chosen?;
+        let interrupted = INTERRUPTED.load(Ordering::Relaxed);
+
+        let file = key_points::to_complete(&prepared, &chosen.points, &before);
+        let mut staged = vec![staging::stage(&output, |out| {
+            let told =
+                "# Key points of the source. Behind each `target:` write the vertex of the target at the same place.\n";
+            let text = format!("{told}{}", markers::yaml::write(&file));
+            out.write_all(text.as_bytes()).map_err(|error| crate::core::Error::write(&output, error))
+        })?];
+        if let Some(path) = &self.curve {
+            staged.push(staging::stage(path, |out| {
+                let svg = key_points::curve(&chosen.steps);
+                out.write_all(svg.as_bytes()).map_err(|error| crate::core::Error::write(path, error))
+            })?);
+        }
+        let written = staging::commit(staged)?;
+        let open = file.entries.iter().filter(|entry| entry.target.is_none()).count();
+        if self.json {
+            let steps: Vec<_> = chosen
+                .steps
+                .iter()
+                .map(|s| json!({ "points": s.points.len(), "error": s.error, "exchanged": s.exchanged }))
+                .collect();
+            terminal::print_json(&json!({
+                "markers": output, "points": file.entries.iter().map(|e| point(e.source)).collect::<Vec<_>>(),
+                "targets_to_find": open, "steps": steps, "figures": chosen.figures, "interrupted": interrupted,
+                "seconds": started.elapsed().as_secs_f64(),
+            }));
+        } else if !self.quiet {
+            chosen.figures.warnings.iter().for_each(|warning| terminal::warn(warning));
+            let error = chosen.steps.last().map_or(0.0, |step| step.error);
+            let mut text = format!(
+                "{} key points, error {error:.4} (mean distance to the poses, the source in the unit sphere), {:.1} s\n",
+                chosen.points.len(),
+                started.elapsed().as_secs_f64()
+            );
+            for file in &written {
+                text.push_str(&format!("written: {}\n", file.path.display()));
+            }
+            if open > 0 {
+                text.push_str(&format!(
+                    "{open} targets are to be found: write a vertex of the target behind each `target:`\n"
+                ));
+            }
+            terminal::print(&text);
+        }
+        Ok(if interrupted { Status::Interrupted } else { Status::Done })
+    }
+
+    /// The file of markers.
+    fn place(&self, prepared: &PreparedSource) -> PathBuf {
+        let of_pipeline = || prepared.markers.clone().filter(|path| is_yaml(path));
+        self.output.clone().or_else(of_pipeline).unwrap_or_else(|| self.pipeline.with_extension("markers.yaml"))
+    }
+
+    /// The markers that are there already, if they are to be gone on from.
+    fn before(&self, output: &Path) -> Result<MarkerFile> {
+        if !is_yaml(output) {
+            let mistake = Mistake::new(Status::Usage, "key points are written as .yaml, which has room for notes");
+            return Err(mistake.at(Place::File(output.into())).hint("give `--output FILE.yaml`").into());
+        }
+        if self.resume {
+            return if output.is_file() { markers::read(output) } else { Ok(MarkerFile::default()) };
+        }
+        if output.exists() && !self.force {
+            let mistake = Mistake::new(Status::CannotWrite, "there are markers already");
+            let hint = "`--resume` goes on from them, `--force` replaces them, `--output FILE` writes others";
+            return Err(mistake.at(Place::File(output.into())).hint(hint).into());
+        }
+        Ok(MarkerFile::default())
+    }
+}
+
+fn is_yaml(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension == "yaml" || extension == "yml")
+}
+
+fn point(point: crate::core::mesh::SurfacePoint) -> serde_json::Value {
+    match point {
+        crate::core::mesh::SurfacePoint::Vertex(vertex) => json!(vertex),
+        crate::core::mesh::SurfacePoint::Triangle(triangle, barycentric) => {
+            json!({ "triangle": triangle, "barycentric": barycentric })
+        }
+    }
+}
+
+/// Tells of steps: a bar on a terminal, lines elsewhere.
+struct Telling<'a> {
+    bar: ProgressBar,
+    lines: bool,
+    interrupted: &'a AtomicBool,
+}
+
+impl<'a> Telling<'a> {
+    fn new(quiet: bool, interrupted: &'a AtomicBool) -> Self {
+        let bar = if quiet || !terminal::lively() { ProgressBar::hidden() } else { ProgressBar::new(1) };
+        let template = "{msg}  {bar:24} {pos}/{len}  {elapsed}";
+        let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
+        bar.set_style(style.progress_chars("=> "));
+        Self { bar, lines: !quiet && !terminal::lively(), interrupted }
+    }
+}
+
+impl ChoiceWatch for Telling<'_> {
+    fn step(&self, step: &ChoiceStep) {
+        let what = if step.exchanged { "exchanged" } else { "added" };
+        let text = format!("{} key points, error {:.4} ({what})", step.points.len(), step.error);
+        if self.lines {
+            let _ = writeln!(std::io::stderr(), "{text}");
+        }
+        self.bar.set_message(text);
+    }
+
+    fn progress(&self, done: usize, all: usize) {
+        self.bar.set_length(all as u64);
+        self.bar.set_position(done as u64);
+    }
+
+    fn is_interrupted(&self) -> bool {
+        self.interrupted.load(Ordering::Relaxed)
+    }
+}

@@ -1,0 +1,68 @@
+use std::path::{Path, PathBuf};
+
+use super::{Check, Input, Options, PoseInput, Side};
+use crate::{
+    core::{plugin, stage::KeyPoints},
+    mistake::{Failure, Mistake, Result},
+    pipeline::{Document, Formats, Step, overrides, parse, resolve},
+    status::Status,
+};
+
+/// The part of a pipeline that key points are chosen by: its source, without mistakes.
+#[derive(Debug)]
+pub struct PreparedSource {
+    /// What gives its motion.
+    pub source: Side,
+    /// Its poses, at least one.
+    pub poses: Vec<PoseInput>,
+    /// The formats, with the pipeline's settings.
+    pub formats: Formats,
+    /// How points are chosen: as the pipeline says, else `greedy`.
+    pub key_points: Box<dyn KeyPoints>,
+    /// The pipeline's file of markers, as seen from the current folder.
+    pub markers: Option<PathBuf>,
+    /// The target's file, as the pipeline spells it.
+    pub target: Option<PathBuf>,
+}
+
+/// Reads the source of the pipeline in `file`; of the rest only what concerns key points is looked at.
+///
+/// # Errors
+///
+/// All mistakes that can be found in that part without computing or reading poses.
+pub fn prepare_source(file: &Path, options: &Options) -> Result<PreparedSource> {
+    let mut document = Document::read(file)?;
+    overrides::apply(&mut document, &options.settings).map_err(|mistakes| Failure { mistakes })?;
+    let (mut pipeline, mistakes) = parse::parse(&document);
+    // A pipeline may still lack what only a run needs.
+    let missing = |mistake: &Mistake| {
+        ["target", "correspondence", "transfer", "output"]
+            .iter()
+            .any(|key| mistake.message == format!("missing key `{key}`"))
+    };
+    let mut check = Check {
+        base: file.parent().unwrap_or(Path::new("")).into(),
+        document: &document,
+        formats: Formats::new(std::mem::take(&mut pipeline.formats)),
+        inputs: vec![Input { role: "pipeline", path: file.into() }],
+        mistakes: mistakes.into_iter().filter(|mistake| !missing(mistake)).collect(),
+        warnings: vec![],
+    };
+    check.registry();
+    check.format_settings();
+    let (source, poses) = check.source(&pipeline.source);
+    check.end(file)?;
+    let key_points = pipeline.key_points.take().or_else(|| plugin::instance("greedy"));
+    let (Some(source), Some(key_points)) = (source, key_points) else {
+        let known = plugin::instances::<dyn KeyPoints>();
+        if known.is_empty() {
+            return Err(Mistake::new(Status::BadPipeline, "no key_points stage is linked into this program").into());
+        }
+        let mistake =
+            document.mistake(&[Step::Key("key_points".into())], crate::pipeline::At::Key, "missing key `key_points`");
+        let names: Vec<_> = known.iter().map(|(name, _)| *name).collect();
+        return Err(mistake.hint(format!("known types: {}", names.join(", "))).into());
+    };
+    let markers = pipeline.markers.as_deref().map(|markers| resolve::from_base(&check.base, markers));
+    Ok(PreparedSource { source, poses, formats: check.formats, key_points, markers, target: pipeline.target.rest })
+}
