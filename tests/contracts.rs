@@ -4,7 +4,9 @@ use std::{collections::HashSet, path::PathBuf};
 
 use mimesh::core::{
     plugin::{self, instances},
-    stage::{Clusterer, Correspondence, Deformer, Format, Metric, Proximity, Sample, Sampler, Transfer, Weights},
+    stage::{
+        Clusterer, Correspondence, Deformer, Format, KeyPoints, Metric, Proximity, Sample, Sampler, Transfer, Weights,
+    },
     testkit::contracts,
 };
 
@@ -28,6 +30,7 @@ fn every_default_is_written_and_read_back() {
     instances::<dyn Correspondence>().iter().for_each(|(name, stage)| contracts::round_trips(name, &**stage));
     instances::<dyn Deformer>().iter().for_each(|(name, stage)| contracts::round_trips(name, &**stage));
     instances::<dyn Format>().iter().for_each(|(name, stage)| contracts::round_trips(name, &**stage));
+    instances::<dyn KeyPoints>().iter().for_each(|(name, stage)| contracts::round_trips(name, &**stage));
     instances::<dyn Metric>().iter().for_each(|(name, stage)| contracts::round_trips(name, &**stage));
     instances::<dyn Proximity>().iter().for_each(|(name, stage)| contracts::round_trips(name, &**stage));
     instances::<dyn Sample>().iter().for_each(|(name, stage)| contracts::round_trips(name, &**stage));
@@ -88,4 +91,9 @@ fn every_clusterer_keeps_its_contract() {
 #[test]
 fn every_deformer_keeps_its_contract() {
     instances::<dyn Deformer>().iter().for_each(|(name, stage)| contracts::deformer(name, &**stage));
+}
+
+#[test]
+fn every_choice_of_key_points_keeps_its_contract() {
+    instances::<dyn KeyPoints>().iter().for_each(|(name, stage)| contracts::key_points(name, &**stage));
 }

@@ -7,6 +7,7 @@
 use std::{any::Any, borrow::Cow};
 
 use schemars::{Schema, SchemaGenerator, json_schema};
+use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
 
 /// One registered implementation of one stage.
@@ -55,6 +56,15 @@ pub fn instances<S: StageKind + ?Sized>() -> Vec<(&'static str, Box<S>)> {
 pub fn instance<S: StageKind + ?Sized>(name: &str) -> Option<Box<S>> {
     let of_stage = inventory::iter::<Plugin>.into_iter().filter(|plugin| plugin.stage == S::NAME);
     of_stage.filter(|plugin| (plugin.name)() == name).find_map(Plugin::default_instance::<S>)
+}
+
+/// The implementation of stage `S` that `settings` describe, as a pipeline would; as with [`instance`], `None` if it is not
+/// linked into the program.
+pub fn configured<S: StageKind + ?Sized>(settings: Value) -> Option<Box<S>>
+where
+    Box<S>: DeserializeOwned,
+{
+    serde_json::from_value(settings).ok()
 }
 
 /// Registers an implementation: `register!(Transfer: Gradient);`, once, at the top of the file that implements it.

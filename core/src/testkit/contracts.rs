@@ -5,7 +5,7 @@
 use nalgebra::Point3;
 use serde_json::Value;
 
-pub use super::{clusterer::clusterer, deformer::deformer, sampler::sampler, weights::weights};
+pub use super::{clusterer::clusterer, deformer::deformer, key_points::key_points, sampler::sampler, weights::weights};
 use super::{meshes, random::Random};
 use crate::{
     Plugin,

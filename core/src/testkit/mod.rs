@@ -3,6 +3,7 @@
 mod clusterer;
 pub mod contracts;
 mod deformer;
+mod key_points;
 pub mod meshes;
 pub mod random;
 mod sampler;

@@ -1,6 +1,29 @@
 //! The points that may be chosen.
 
-use mimesh_core::mesh::{Surface, SurfacePoint};
+use mimesh_core::{
+    Error, Result,
+    mesh::{Surface, SurfacePoint},
+};
+
+/// Checks that points to start from exist.
+pub fn check(source: &Surface, start: &[SurfacePoint]) -> Result<()> {
+    for point in start {
+        let (what, number, count) = match *point {
+            SurfacePoint::Vertex(v) => ("vertex", v, source.vertex_count()),
+            SurfacePoint::Triangle(t, _) => ("triangle", t, source.triangle_count()),
+        };
+        if number as usize >= count {
+            return Err(Error::data(
+                format!(
+                    "a key point to start from is {what} {number}, which the source does not have: expected 0 to {}",
+                    count - 1
+                ),
+                "were the points made on another mesh? Start anew",
+            ));
+        }
+    }
+    Ok(())
+}
 
 /// The candidates with the points `start` added where they are none yet, and the numbers of the latter.
 pub fn with_start(

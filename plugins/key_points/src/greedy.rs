@@ -11,8 +11,9 @@
 
 use mimesh_core::{
     Error, Figures, Result,
-    plugin::instance,
+    plugin::{configured, instance},
     register,
+    serde_json::json,
     stage::{ChoiceStep, ChoiceWatch, Chosen, Clusterer, Deformer, KeyPoints, KeyPointsInput, Sampler, Weights},
 };
 use schemars::JsonSchema;
@@ -83,7 +84,7 @@ impl Default for Greedy {
             first: 0,
             sampler: instance("farthest_point"),
             weights: instance("bounded_biharmonic"),
-            ranking: instance("biharmonic"),
+            ranking: configured(json!({ "type": "biharmonic", "clamp": true })),
             clusterer: instance("rotation_kmeans"),
             deformer: instance("arap_skinning"),
         }
@@ -103,6 +104,7 @@ impl KeyPoints for Greedy {
         for pose in poses {
             Error::check_shape("vertices of a pose (#V)", source.vertex_count(), pose.len())?;
         }
+        candidates::check(source, start)?;
         let sampler = named("sampler", &self.sampler, "farthest_point")?;
         let weights = named("weights", &self.weights, "bounded_biharmonic")?;
         let clusterer = named("clusterer", &self.clusterer, "rotation_kmeans")?;

@@ -14,6 +14,10 @@ use crate::greedy::Measure;
 /// An exchange counts if it lowers the error by more than this part: less is rounding, and could go round in circles.
 const LEAST_GAIN: f64 = 1e-9;
 
+/// Ranking and weights themselves differ by about this part; an exchange that ranks worse than what is there by more has
+/// never been seen to help.
+const RANKING_SLACK: f64 = 0.02;
+
 /// Half the longest way across the bounding box's centre: the radius that scales the source into the unit sphere.
 pub fn unit_radius(positions: &[Point3<f64>]) -> f64 {
     let mut low = positions[0];
@@ -105,7 +109,7 @@ impl<'a> Search<'a> {
         while self.error > threshold && self.chosen.len() < count.min(self.points.len()) && !self.watch.is_interrupted()
         {
             let sets: Vec<Vec<usize>> = self.others().map(|k| [&self.chosen[..], &[k]].concat()).collect();
-            let Some((set, error)) = self.best(sets)? else { break };
+            let Some((set, error)) = self.best(sets, f64::INFINITY)? else { break };
             // A point more can do harm to maps found with regions; the paper adds it all the same. Here it ends the stage.
             if error >= self.error {
                 break;
@@ -119,6 +123,8 @@ impl<'a> Search<'a> {
     pub fn exchange(&mut self, max_rounds: usize) -> Result<usize> {
         for round in 0..max_rounds {
             let before = self.error;
+            // The set as it is gives the measure of what ranks well enough to be judged.
+            let mut worst = self.worst_to_judge();
             for place in 0..self.chosen.len() {
                 if self.watch.is_interrupted() {
                     return Ok(round);
@@ -129,10 +135,11 @@ impl<'a> Search<'a> {
                     set
                 };
                 let sets: Vec<Vec<usize>> = self.others().map(with).collect();
-                if let Some((set, error)) = self.best(sets)?
+                if let Some((set, error)) = self.best(sets, worst)?
                     && error < self.error * (1.0 - LEAST_GAIN)
                 {
                     self.take(set, error, true);
+                    worst = self.worst_to_judge();
                 }
             }
             if self.error >= before {
@@ -140,6 +147,12 @@ impl<'a> Search<'a> {
             }
         }
         Ok(max_rounds)
+    }
+
+    /// The error by ranking up to which an exchange is judged.
+    fn worst_to_judge(&self) -> f64 {
+        let of_now = self.ranking.and_then(|ranking| ranking.error(&self.chosen).ok());
+        of_now.map_or(f64::INFINITY, |error| error * (1.0 + RANKING_SLACK))
     }
 
     fn others(&self) -> impl Iterator<Item = usize> {
@@ -155,13 +168,15 @@ impl<'a> Search<'a> {
         self.steps.push(step);
     }
 
-    /// The set of least error, and its error; `None` if none can be judged, as when a component is left without a handle.
-    fn best(&mut self, sets: Vec<Vec<usize>>) -> Result<Option<(Vec<usize>, f64)>> {
+    /// The set of least error, and its error; `None` if none can be judged, as when a component is left without a handle, or
+    /// none ranks better than `worst`.
+    fn best(&mut self, sets: Vec<Vec<usize>>, worst: f64) -> Result<Option<(Vec<usize>, f64)>> {
         let mut short: Vec<Vec<usize>> = match self.ranking {
             None => sets,
             Some(ranking) => {
                 self.ranked += sets.len();
                 let mut ranked = self.errors(ranking, &sets);
+                ranked.retain(|(_, error)| *error <= worst);
                 ranked.sort_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
                 ranked.truncate(self.shortlist);
                 ranked.into_iter().map(|(i, _)| sets[i].clone()).collect()

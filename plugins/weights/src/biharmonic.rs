@@ -13,6 +13,7 @@ use mimesh_core::{
     register,
     stage::{BoundWeights, HandleWeights, ProximityGraph, Weights},
 };
+use nalgebra::DMatrix;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -28,11 +29,14 @@ pub struct Biharmonic {
     /// cotangent weight); 0 for none.
     #[schemars(range(min = 0.0))]
     pub bridge: f64,
+    /// Sets negative weights to 0 and divides rows by their sums: bounds without a search for the smoothest weights within
+    /// them.
+    pub clamp: bool,
 }
 
 impl Default for Biharmonic {
     fn default() -> Self {
-        Self { bridge: 0.5 }
+        Self { bridge: 0.5, clamp: false }
     }
 }
 
@@ -47,20 +51,37 @@ impl Weights for Biharmonic {
         let points = Points::new(surface, points)?;
         let domain = Domain::new(surface, proximity, self.bridge)?;
         let energy = |group: &_| Bilaplacian::new(group).matrix;
-        Ok(Box::new(Bound(Greens::new(domain, points, energy, "the energy of biharmonic weights")?)))
+        let greens = Greens::new(domain, points, energy, "the energy of biharmonic weights")?;
+        Ok(Box::new(Bound { greens, clamp: self.clamp }))
     }
 }
 
 /// Weights bound to a surface.
 #[derive(Debug)]
-struct Bound(Greens);
+struct Bound {
+    greens: Greens,
+    clamp: bool,
+}
 
 impl BoundWeights for Bound {
     fn solve(&self, handles: &[usize]) -> Result<HandleWeights> {
-        self.0.solve(handles, |group| group.mean_mass)
+        let mut weights = self.greens.solve(handles, |group| group.mean_mass)?;
+        if self.clamp {
+            clamp(&mut weights.matrix);
+        }
+        Ok(weights)
     }
 
     fn figures(&self) -> Figures {
-        self.0.figures()
+        self.greens.figures()
+    }
+}
+
+/// Rows without negative weights, of sum 1. As rows sum to 1 before, what is left of one sums to at least 1.
+fn clamp(matrix: &mut DMatrix<f64>) {
+    matrix.iter_mut().for_each(|w| *w = w.max(0.0));
+    let sums = matrix.column_sum();
+    for mut column in matrix.column_iter_mut() {
+        column.component_div_assign(&sums);
     }
 }

@@ -216,6 +216,23 @@ fn bounded_and_harmonic_weights_and_distances_stay_within_0_and_1() {
 }
 
 #[test]
+fn clamped_weights_stay_within_bounds_sum_to_one_and_keep_their_handles() {
+    let surface = uneven_bar();
+    let handles = [3, 20, 41, 60];
+    let free = solve(r#"{ "type": "biharmonic" }"#, &surface, &handles).matrix;
+    assert!(free.min() < -1e-3, "there is something to clamp: {}", free.min());
+    let w = solve(r#"{ "type": "biharmonic", "clamp": true }"#, &surface, &handles).matrix;
+    assert!(w.min() >= 0.0 && w.max() <= 1.0);
+    for row in w.row_iter() {
+        // Rounding of a quotient of sums of four.
+        assert!((row.sum() - 1.0).abs() < 1e-12);
+    }
+    for (k, &v) in handles.iter().enumerate() {
+        assert!((w[(v as usize, k)] - 1.0).abs() < 1e-9, "handle {k} has {}", w[(v as usize, k)]);
+    }
+}
+
+#[test]
 fn the_nearest_handle_has_the_greatest_weight_by_distance() {
     let grid = meshes::grid(10, 10);
     let w = solve("geodesic_falloff", &grid, &[0, 120]).matrix;
