@@ -1,0 +1,199 @@
+//! Key points from the command line, and biharmonic transfer with them.
+#![cfg(feature = "bundled")]
+
+mod common;
+
+use common::{Project, cube};
+use mimesh::core::{
+    mesh::{Surface, SurfacePoint},
+    plugin::instance,
+    spatial::Similarity,
+    stage::{Marker, Pair, Transfer, TriangleMap},
+    testkit::{meshes, random::Random},
+};
+use nalgebra::{Point3, Rotation3, Vector3};
+
+fn project() -> Project {
+    let project = Project::new();
+    // A shear is one affine map: a few handles tell it exactly, and no more than a few are added.
+    project.write(
+        "p.yaml",
+        "source: { rest: rest.obj, poses: pose-*.obj }\ntarget: { rest: target.obj }\n\
+         key_points: { type: greedy, max_count: 4, threshold: 0, sampler: { type: farthest_point, count: 8 } }\nmarkers: k.markers.yaml\n\
+         transfer: { type: biharmonic }\noutput: out/{pose}.obj\n",
+    );
+    project.write("target.obj", &cube(|[x, y, z]| [2.0 * x, 2.0 * y, 2.0 * z]));
+    project
+}
+
+#[test]
+fn key_points_are_written_without_targets_and_a_run_says_which_are_missing() {
+    let project = project();
+    let said = project.mimesh(&["run", "p.yaml"]);
+    assert_eq!(said.status, 66, "{}", said.err);
+
+    let said = project.mimesh(&["keypoints", "p.yaml", "--curve", "curve.svg"]);
+    assert_eq!(said.status, 0, "{}", said.err);
+    assert!(said.out.contains("written: k.markers.yaml"), "{}", said.out);
+    let text = project.read("k.markers.yaml");
+    assert!(text.contains("name: \"key 1\"") && text.contains("target: null") && text.contains("side"), "{text}");
+    assert!(project.read("curve.svg").contains("<polyline"));
+
+    let said = project.mimesh(&["run", "p.yaml"]);
+    assert_eq!(said.status, 65, "{}", said.err);
+    let count = text.matches("target: null").count();
+    assert!(said.err.contains("k.markers.yaml:"), "{}", said.err);
+    assert!(said.err.contains(&format!("{count} of {count} markers have no target: key 1 (")), "{}", said.err);
+    assert!(!project.path("out").exists(), "nothing is written");
+}
+
+#[test]
+fn completed_key_points_move_the_target() {
+    let project = project();
+    let said = project.mimesh(&["keypoints", "p.yaml"]);
+    assert_eq!(said.status, 0, "{}", said.err);
+    // The target is the source twice as large, vertex by vertex.
+    let completed: String = project
+        .read("k.markers.yaml")
+        .lines()
+        .map(|line| match line.split_once("source: ").and_then(|(_, rest)| rest.split_once(", target: null")) {
+            Some((vertex, _)) => line.replace("target: null", &format!("target: {vertex}")) + "\n",
+            None => line.to_owned() + "\n",
+        })
+        .collect();
+    project.write("k.markers.yaml", &completed);
+    project.write("truth.obj", &cube(|[x, y, z]| [2.0 * (x + z), 2.0 * y, 2.0 * z]));
+    // Affine maps without rigidity: a shear is one of them.
+    project.edit("type: biharmonic", "type: biharmonic, deformer: { type: linear_blend }");
+    let said = project.mimesh(&["run", "p.yaml"]);
+    assert_eq!(said.status, 0, "{}", said.err);
+    let said = project.mimesh(&["score", "out/10.obj", "truth.obj", "--rest", "target.obj", "--json"]);
+    let score: serde_json::Value =
+        serde_json::from_str(&said.out).unwrap_or_else(|error| panic!("{error}: {}", said.err));
+    let mean = score.pointer("/over_poses/average/mean").and_then(serde_json::Value::as_f64).expect("a score");
+    // Maps are drawn to rigid motions by a slight regularisation; doing nothing is 40 % off.
+    assert!(mean < 0.5, "{mean} % of the diagonal");
+}
+
+#[test]
+fn markers_that_are_there_are_kept_unless_told_otherwise() {
+    let project = project();
+    assert_eq!(project.mimesh(&["keypoints", "p.yaml"]).status, 0);
+    let before = project.read("k.markers.yaml");
+    let said = project.mimesh(&["keypoints", "p.yaml"]);
+    assert_eq!(
+        (said.status, said.err.as_str()),
+        (
+            73,
+            "error: k.markers.yaml: there are markers already\n  hint: `--resume` goes on from them, `--force` replaces \
+             them, `--output FILE` writes others\n"
+        )
+    );
+    assert_eq!(project.read("k.markers.yaml"), before);
+
+    let found = before.replacen("target: null", "target: 5", 1);
+    project.write("k.markers.yaml", &found);
+    let said = project.mimesh(&["keypoints", "p.yaml", "--resume", "--set", "key_points.max_rounds=0"]);
+    assert_eq!(said.status, 0, "{}", said.err);
+    assert!(project.read("k.markers.yaml").contains("target: 5"), "a target that was found is kept");
+    assert_eq!(project.mimesh(&["keypoints", "p.yaml", "--force"]).status, 0);
+    assert!(!project.read("k.markers.yaml").contains("target: 5"));
+
+    let said = project.mimesh(&["keypoints", "p.yaml", "--output", "k.cons"]);
+    assert_eq!(said.status, 2, "{}", said.err);
+    assert!(said.err.contains("k.cons: key points are written as .yaml"), "{}", said.err);
+}
+
+#[test]
+fn nested_stages_are_checked_like_others() {
+    let project = project();
+    project.edit("type: biharmonic }", "type: biharmonic, weights: { type: bounded_biharmonc } }");
+    project.edit(
+        "type: greedy,",
+        "type: greedy, deformer: { type: arap_skinning, lamda: 1 }, ranking: { type: harmonc },",
+    );
+    let said = project.mimesh(&["check", "p.yaml"]);
+    assert_eq!(said.status, 78);
+    for expected in [
+        "unknown key `lamda`",
+        "did you mean `lambda`?",
+        "unknown weights `harmonc`",
+        "did you mean `harmonic`?",
+        "unknown weights `bounded_biharmonc`",
+        "did you mean `bounded_biharmonic`?",
+    ] {
+        assert!(said.err.contains(expected), "{expected} in {}", said.err);
+    }
+}
+
+fn markers(vertices: &[u32]) -> Vec<Marker> {
+    let point = SurfacePoint::Vertex;
+    vertices.iter().map(|&v| Marker { name: v.to_string(), source: point(v), target: point(v) }).collect()
+}
+
+fn bent(surface: &Surface) -> Vec<Point3<f64>> {
+    let turn = |p: &Point3<f64>| Rotation3::from_axis_angle(&Vector3::z_axis(), 0.4 * p.x) * p;
+    surface.positions.iter().map(turn).collect()
+}
+
+fn moved(settings: serde_json::Value, source: &Surface, target: &Surface, pose: &[Point3<f64>]) -> Vec<Point3<f64>> {
+    let stage: Box<dyn Transfer> = serde_json::from_value(settings).expect("settings");
+    let markers = markers(&[0, 20, 45, 70, 90]);
+    let pair = Pair { source, target, markers: &markers, proximity: None };
+    let bound = stage.bind_to_poses(pair, &TriangleMap::unknown(pair), &[pose.to_vec()]).expect("markers suffice");
+    bound.transfer(pose).expect("a finite pose").positions
+}
+
+#[test]
+fn a_target_that_is_turned_scaled_and_elsewhere_moves_the_same_way_in_its_own_frame() {
+    let source = meshes::bar([9, 3, 2], [3.0, 0.9, 0.7]);
+    let pose = bent(&source);
+    let place = Similarity {
+        scale: 40.0,
+        rotation: Random::new(3).rotation().to_rotation_matrix().into_inner(),
+        translation: Vector3::new(-500.0, 40.0, 70.0),
+    };
+    let target = Surface { positions: source.positions.iter().map(|p| place.apply(p)).collect(), ..source.clone() };
+    for reconstruction in ["gradients", "blend"] {
+        let settings =
+            serde_json::json!({ "type": "biharmonic", "orientation": "fitted", "reconstruction": reconstruction });
+        let here = moved(settings.clone(), &source, &source, &pose);
+        let there = moved(settings, &source, &target, &pose);
+        let off = here.iter().zip(&there).map(|(a, b)| (place.apply(a) - b).norm()).fold(0.0, f64::max);
+        // Weights are found to a relative gap of 1e-6 in their energies, on either side.
+        assert!(off < 1e-5 * target.diagonal(), "{reconstruction}: {off}");
+    }
+}
+
+#[test]
+fn limbs_turn_about_the_joints_of_the_target_and_not_of_the_source() {
+    // Rigid but for a joint: the half beyond x = 0 turns about the origin. On the target the joint sits elsewhere.
+    let source = meshes::bar([13, 3, 3], [3.0, 0.6, 0.6]);
+    let fold = |p: &Point3<f64>, joint: f64| {
+        let blend = ((p.x - joint) / 0.5 + 0.5).clamp(0.0, 1.0);
+        let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), 0.9 * blend);
+        Point3::new(joint, 0.0, 0.0) + turn * (p - Point3::new(joint, 0.0, 0.0))
+    };
+    let pose: Vec<_> = source.positions.iter().map(|p| fold(p, 0.0)).collect();
+    // The half before the joint is twice as long.
+    let stretched = |p: &Point3<f64>| Point3::new(if p.x < 0.0 { 2.0 * p.x } else { p.x }, p.y, p.z);
+    let target = Surface { positions: source.positions.iter().map(stretched).collect(), ..source.clone() };
+    let truth: Vec<_> = target.positions.iter().map(|p| fold(p, 0.0)).collect();
+    let error = |reconstruction: &str| {
+        let settings = serde_json::json!({ "type": "biharmonic", "reconstruction": reconstruction });
+        let result = moved(settings, &source, &target, &pose);
+        let count = truth.len() as f64;
+        let shift = result.iter().zip(&truth).map(|(a, b)| a - b).sum::<Vector3<f64>>() / count;
+        result.iter().zip(&truth).map(|(a, b)| (a - b - shift).norm()).sum::<f64>() / count / target.diagonal()
+    };
+    let (gradients, blend) = (error("gradients"), error("blend"));
+    assert!(gradients < 0.75 * blend, "{gradients} and {blend} of the diagonal");
+}
+
+#[test]
+fn default_stages_are_linked() {
+    let stage = instance::<dyn Transfer>("biharmonic").expect("bundled");
+    let settings = serde_json::to_value(&*stage).expect("settings");
+    assert_eq!(settings["weights"]["type"], "bounded_biharmonic");
+    assert_eq!(settings["deformer"]["type"], "arap_skinning");
+}
