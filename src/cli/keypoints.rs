@@ -24,7 +24,7 @@ use crate::{
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   mimesh keypoints horse.yaml
-  mimesh keypoints horse.yaml --count 12 --output horse.markers.yaml
+  mimesh keypoints horse.yaml --set key_points.max_count=12 --output horse.markers.yaml
   mimesh keypoints horse.yaml --resume        goes on where it was interrupted, and keeps targets found so far")]
 pub struct KeyPoints {
     /// The pipeline's YAML file
@@ -32,9 +32,6 @@ pub struct KeyPoints {
     /// Where to write the markers [default: `markers` of the pipeline, else PIPELINE.markers.yaml]
     #[arg(long, short, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// Most key points; the same as --set key_points.max_count=N
-    #[arg(long, value_name = "N")]
-    count: Option<usize>,
     /// Write the curve of errors over the number of points into this SVG file
     #[arg(long, value_name = "FILE")]
     curve: Option<PathBuf>,
@@ -58,11 +55,8 @@ pub struct KeyPoints {
 impl KeyPoints {
     /// Runs the command.
     pub fn run(&self) -> Ended {
-        let mut settings = self.settings.clone();
-        if let Some(count) = self.count {
-            settings.extend(["key_points.type=greedy".into(), format!("key_points.max_count={count}")]);
-        }
-        let prepared = pipeline::prepare_source(&self.pipeline, &Options { settings, out: None })?;
+        let options = Options { settings: self.settings.clone(), out: None };
+        let prepared = pipeline::prepare_source(&self.pipeline, &options)?;
         let output = self.place(&prepared);
         let before = self.before(&output)?;
 

@@ -102,7 +102,9 @@ fn note(sequence: &MeshSequence, surface: &Surface, point: SurfacePoint) -> Stri
     {
         words.push(format!("on {}", surface.part_names[*part as usize]));
     }
-    words.push(format!("at x {}, y {}, z {}", figure(at.x), figure(at.y), figure(at.z)));
+    // Four digits of the size tell a place well enough to a person.
+    let digits = (3 - surface.diagonal().max(1e-12).log10().floor() as i32).clamp(0, 15) as usize;
+    words.push(format!("at x {:.digits$}, y {:.digits$}, z {:.digits$}", at.x, at.y, at.z));
     let (mut low, mut high) = (at, at);
     for p in &surface.positions {
         low = low.inf(p);
@@ -119,12 +121,6 @@ fn note(sequence: &MeshSequence, surface: &Surface, point: SurfacePoint) -> Stri
     ];
     words.push(sides.join(", "));
     words.join("; ")
-}
-
-/// Four digits, which tell a place well enough to a person.
-fn figure(value: f64) -> String {
-    let digits = (3 - value.abs().max(1e-12).log10().floor() as i32).clamp(0, 9);
-    format!("{value:.*}", digits as usize)
 }
 
 /// The curve of figure 6 of Yang et al. 2018, error over number of points, as an SVG picture.

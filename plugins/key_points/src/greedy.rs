@@ -14,7 +14,7 @@ use mimesh_core::{
     plugin::{configured, instance},
     register,
     serde_json::json,
-    stage::{ChoiceStep, ChoiceWatch, Chosen, Clusterer, Deformer, KeyPoints, KeyPointsInput, Sampler, Weights},
+    stage::{ChoiceWatch, Chosen, Clusterer, Deformer, KeyPoints, KeyPointsInput, Sampler, Weights},
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -132,7 +132,7 @@ impl KeyPoints for Greedy {
                 unit: unit_radius(&source.positions),
             })
         };
-        let exact = judge(weights.as_ref())?;
+        let exact = judge(weights)?;
         let ranking = match &self.ranking {
             Some(ranking) if !self.exhaustive => Some(judge(ranking.as_ref())?),
             _ => None,
@@ -164,16 +164,11 @@ impl KeyPoints for Greedy {
 }
 
 /// A nested stage, or what to say without it.
-fn named<'a, S: ?Sized>(slot: &str, stage: &'a Option<Box<S>>, default: &str) -> Result<&'a Box<S>> {
-    stage.as_ref().ok_or_else(|| {
+fn named<'a, S: ?Sized>(slot: &str, stage: &'a Option<Box<S>>, default: &str) -> Result<&'a S> {
+    stage.as_deref().ok_or_else(|| {
         Error::data(
             format!("`{slot}` is left out, and its default `{default}` is not linked into this program"),
             format!("say which, e.g. `{slot}: {{ type: … }}`, or link the crate with `{default}`"),
         )
     })
-}
-
-/// The steps of a choice as text of two columns, number of points and error: what figure 6 of the paper draws.
-pub fn curve(steps: &[ChoiceStep]) -> Vec<(usize, f64)> {
-    steps.iter().map(|step| (step.points.len(), step.error)).collect()
 }

@@ -4,7 +4,7 @@ use super::{Check, Input, Options, PoseInput, Side};
 use crate::{
     core::{plugin, stage::KeyPoints},
     mistake::{Failure, Mistake, Result},
-    pipeline::{Document, Formats, Step, overrides, parse, resolve},
+    pipeline::{At, Document, Formats, overrides, parse, resolve},
     status::Status,
 };
 
@@ -17,7 +17,7 @@ pub struct PreparedSource {
     pub poses: Vec<PoseInput>,
     /// The formats, with the pipeline's settings.
     pub formats: Formats,
-    /// How points are chosen: as the pipeline says, else `greedy`.
+    /// How points are chosen.
     pub key_points: Box<dyn KeyPoints>,
     /// The pipeline's file of markers, as seen from the current folder.
     pub markers: Option<PathBuf>,
@@ -52,16 +52,13 @@ pub fn prepare_source(file: &Path, options: &Options) -> Result<PreparedSource> 
     check.format_settings();
     let (source, poses) = check.source(&pipeline.source);
     check.end(file)?;
-    let key_points = pipeline.key_points.take().or_else(|| plugin::instance("greedy"));
-    let (Some(source), Some(key_points)) = (source, key_points) else {
-        let known = plugin::instances::<dyn KeyPoints>();
-        if known.is_empty() {
-            return Err(Mistake::new(Status::BadPipeline, "no key_points stage is linked into this program").into());
-        }
-        let mistake =
-            document.mistake(&[Step::Key("key_points".into())], crate::pipeline::At::Key, "missing key `key_points`");
-        let names: Vec<_> = known.iter().map(|(name, _)| *name).collect();
-        return Err(mistake.hint(format!("known types: {}", names.join(", "))).into());
+    let Some(source) = source else {
+        return Err(Mistake::new(Status::Internal, "a mesh was refused without a reason").into());
+    };
+    let Some(key_points) = pipeline.key_points.take() else {
+        let names: Vec<_> = plugin::instances::<dyn KeyPoints>().iter().map(|(name, _)| *name).collect();
+        let hint = format!("say how to choose them, e.g. `key_points: {{ type: {} }}`", names.join(" | "));
+        return Err(document.mistake(&[], At::Value, "missing key `key_points`").hint(hint).into());
     };
     let markers = pipeline.markers.as_deref().map(|markers| resolve::from_base(&check.base, markers));
     Ok(PreparedSource { source, poses, formats: check.formats, key_points, markers, target: pipeline.target.rest })
