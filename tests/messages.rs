@@ -186,7 +186,7 @@ error: m.yaml:2:5: marker left ear has no target
    |
  2 |   - { name: left ear, source: 3 }
    |     ^^^^^^^^^^^^^^^^^^^^^^^^^^^^
-   = hint: a marker needs a point on both meshes, e.g. `{ source: 750, target: 3386 }`
+   = hint: write the vertex of the target at the same place, e.g. `{ source: 750, target: 3386 }`
 ",
     );
 }
