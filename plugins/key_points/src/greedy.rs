@@ -79,7 +79,7 @@ impl Default for Greedy {
             max_count: 20,
             error: Measure::Mean,
             exhaustive: false,
-            shortlist: 4,
+            shortlist: 3,
             max_rounds: 10,
             first: 0,
             sampler: instance("farthest_point"),
