@@ -10,6 +10,8 @@ use schemars::{Schema, SchemaGenerator, json_schema};
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
 
+use crate::{Error, Result};
+
 /// One registered implementation of one stage.
 pub struct Plugin {
     /// The stage, as a pipeline spells it, e.g. `transfer`.
@@ -65,6 +67,20 @@ where
     Box<S>: DeserializeOwned,
 {
     serde_json::from_value(settings).ok()
+}
+
+/// The stage in the slot `slot` of another stage.
+///
+/// # Errors
+///
+/// [`Error::Data`] if there is none, which is so where its default, the implementation `default`, is not linked.
+pub fn nested<'a, S: StageKind + ?Sized>(slot: &str, stage: &'a Option<Box<S>>, default: &str) -> Result<&'a S> {
+    stage.as_deref().ok_or_else(|| {
+        Error::data(
+            format!("`{slot}` is left out, and its default `{default}` is not linked into this program"),
+            format!("say which, e.g. `{slot}: {{ type: … }}`, or link the crate with `{default}`"),
+        )
+    })
 }
 
 /// Registers an implementation: `register!(Transfer: Gradient);`, once, at the top of the file that implements it.

@@ -11,7 +11,7 @@
 
 use mimesh_core::{
     Error, Figures, Result,
-    plugin::{configured, instance},
+    plugin::{configured, instance, nested},
     register,
     serde_json::json,
     stage::{ChoiceWatch, Chosen, Clusterer, Deformer, KeyPoints, KeyPointsInput, Sampler, Weights},
@@ -105,10 +105,10 @@ impl KeyPoints for Greedy {
             Error::check_shape("vertices of a pose (#V)", source.vertex_count(), pose.len())?;
         }
         candidates::check(source, start)?;
-        let sampler = named("sampler", &self.sampler, "farthest_point")?;
-        let weights = named("weights", &self.weights, "bounded_biharmonic")?;
-        let clusterer = named("clusterer", &self.clusterer, "rotation_kmeans")?;
-        let deformer = named("deformer", &self.deformer, "arap_skinning")?;
+        let sampler = nested("sampler", &self.sampler, "farthest_point")?;
+        let weights = nested("weights", &self.weights, "bounded_biharmonic")?;
+        let clusterer = nested("clusterer", &self.clusterer, "rotation_kmeans")?;
+        let deformer = nested("deformer", &self.deformer, "arap_skinning")?;
 
         let sampled = sampler.sample(source)?;
         let (points, started) = candidates::with_start(source, sampled, start);
@@ -161,14 +161,4 @@ impl KeyPoints for Greedy {
         let chosen = search.chosen.iter().map(|&k| points[k]).collect();
         Ok(Chosen { points: chosen, steps: search.steps, figures })
     }
-}
-
-/// A nested stage, or what to say without it.
-fn named<'a, S: ?Sized>(slot: &str, stage: &'a Option<Box<S>>, default: &str) -> Result<&'a S> {
-    stage.as_deref().ok_or_else(|| {
-        Error::data(
-            format!("`{slot}` is left out, and its default `{default}` is not linked into this program"),
-            format!("say which, e.g. `{slot}: {{ type: … }}`, or link the crate with `{default}`"),
-        )
-    })
 }

@@ -14,8 +14,7 @@ use crate::greedy::Measure;
 /// An exchange counts if it lowers the error by more than this part: less is rounding, and could go round in circles.
 const LEAST_GAIN: f64 = 1e-9;
 
-/// Ranking and weights themselves differ by about this part; an exchange that ranks worse than what is there by more has
-/// never been seen to help.
+/// An exchange that ranks worse than what is there by more than this part is not worth the cost of judging it.
 const RANKING_SLACK: f64 = 0.02;
 
 /// Half the longest way across the bounding box's centre: the radius that scales the source into the unit sphere.

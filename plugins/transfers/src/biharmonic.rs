@@ -18,7 +18,7 @@ use mimesh_core::{
     Error, Figures, Result,
     mesh::{Surface, SurfacePoint, check_finite},
     operators::{DeformationGradients, linear_blend},
-    plugin::instance,
+    plugin::{instance, nested},
     register,
     spatial::{Orientation, Similarity},
     stage::{
@@ -115,9 +115,7 @@ impl Transfer for Biharmonic {
         poses: &[Vec<Point3<f64>>],
     ) -> Result<Box<dyn BoundTransfer>> {
         self.check(pair)?;
-        let (Some(weights), Some(clusterer), Some(deformer)) = (&self.weights, &self.clusterer, &self.deformer) else {
-            return Err(Error::data("a nested stage is missing", "name it"));
-        };
+        let (weights, clusterer, deformer) = self.stages()?;
         let handles: Vec<usize> = (0..pair.markers.len()).collect();
         let solve = |name: &str, surface: &Surface, points: Vec<SurfacePoint>, proximity| {
             let named = |error: Error| match error {
@@ -156,18 +154,7 @@ impl Transfer for Biharmonic {
 
     fn check(&self, pair: Pair<'_>) -> Result<()> {
         Error::check_setting("learn_from", self.learn_from as f64, 1.0, f64::INFINITY)?;
-        for (slot, is_there, example) in [
-            ("weights", self.weights.is_some(), "bounded_biharmonic"),
-            ("clusterer", self.clusterer.is_some(), "rotation_kmeans"),
-            ("deformer", self.deformer.is_some(), "arap_skinning"),
-        ] {
-            if !is_there {
-                return Err(Error::data(
-                    format!("`{slot}` is left out, and its default `{example}` is not linked into this program"),
-                    format!("say which, e.g. `{slot}: {{ type: … }}`, or link the crate with `{example}`"),
-                ));
-            }
-        }
+        self.stages()?;
         if pair.markers.len() < 3 {
             return Err(Error::data(
                 format!("biharmonic transfer needs at least 3 markers, there are {}", pair.markers.len()),
@@ -179,6 +166,14 @@ impl Transfer for Biharmonic {
 }
 
 impl Biharmonic {
+    fn stages(&self) -> Result<(&dyn Weights, &dyn Clusterer, &dyn Deformer)> {
+        Ok((
+            nested("weights", &self.weights, "bounded_biharmonic")?,
+            nested("clusterer", &self.clusterer, "rotation_kmeans")?,
+            nested("deformer", &self.deformer, "arap_skinning")?,
+        ))
+    }
+
     /// The similarity that brings the source's markers closest to the target's.
     fn similarity(&self, pair: Pair<'_>) -> Similarity {
         let source: Vec<_> =

@@ -119,10 +119,11 @@ impl Plants {
     pub fn hold(&self, goals: &[(usize, Vector3<f64>)], system: &System, x: &mut [f64]) -> Vector3<f64> {
         let count = goals.len();
         let stride = x.len() / 3;
+        let positions = system.positions(x);
         let residuals = Matrix3xX::from_iterator(
             count,
             goals.iter().flat_map(|&(k, goal)| {
-                let now = self.place(k, &system.positions(x));
+                let now = self.place(k, &positions);
                 [now.x - goal.x, now.y - goal.y, now.z - goal.z]
             }),
         )
