@@ -104,6 +104,63 @@ fn markers_that_are_there_are_kept_unless_told_otherwise() {
     assert!(said.err.contains("k.cons: key points are written as .yaml"), "{}", said.err);
 }
 
+#[cfg(unix)]
+#[test]
+fn an_interrupted_search_is_written_and_resumed_to_the_same_end() {
+    use std::{
+        io::{BufRead, BufReader, Read},
+        process::{Command, Stdio},
+    };
+    let project = project();
+    let bar = meshes::bar([12, 4, 4], [3.0, 0.9, 0.7]);
+    let obj = |positions: &[Point3<f64>]| -> String {
+        let vertices = positions.iter().map(|p| format!("v {} {} {}\n", p.x, p.y, p.z));
+        let faces = bar.triangles.iter().map(|t| format!("f {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1));
+        vertices.chain(faces).collect()
+    };
+    project.write("rest.obj", &obj(&bar.positions));
+    project.write("pose-1.obj", &obj(&bent(&bar)));
+    project.edit("pose-*.obj", "pose-1.obj");
+    // Judging every candidate up to 60 points takes far longer than this test waits.
+    project.edit("max_count: 4", "max_count: 60, exhaustive: true");
+    project.edit("count: 8", "count: 80");
+
+    let mut child = Command::new(assert_cmd::cargo::cargo_bin!("mimesh"))
+        .current_dir(project.path(""))
+        .args(["keypoints", "p.yaml", "--curve", "curve.svg"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the command runs");
+    let told = BufReader::new(child.stderr.take().expect("a pipe")).lines();
+    let mut steps = 0;
+    for line in told.map(|line| line.expect("UTF-8")) {
+        assert!(line.contains("key points, error"), "{line}");
+        steps += 1;
+        // In the middle of the search for the third.
+        if steps == 2 {
+            let sent = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill runs");
+            assert!(sent.success());
+        }
+    }
+    let mut out = String::new();
+    child.stdout.take().expect("a pipe").read_to_string(&mut out).expect("UTF-8");
+    assert_eq!(child.wait().expect("an end").code(), Some(130), "{out}");
+    assert!(out.contains("written: k.markers.yaml") && out.contains("written: curve.svg"), "{out}");
+    let written = project.read("k.markers.yaml");
+    assert!(steps >= 2 && written.matches("target: null").count() == steps, "{steps} steps, and {written}");
+
+    let count = format!("key_points.max_count={}", steps + 1);
+    let search = ["keypoints", "p.yaml", "--set", &count, "--set", "key_points.max_rounds=0"];
+    let said = project.mimesh(&[&search[..], &["--resume"]].concat());
+    assert_eq!(said.status, 0, "{}", said.err);
+    let resumed = project.read("k.markers.yaml");
+    assert_eq!(resumed.matches("target: null").count(), steps + 1);
+    let said = project.mimesh(&[&search[..], &["--force"]].concat());
+    assert_eq!(said.status, 0, "{}", said.err);
+    assert_eq!(resumed, project.read("k.markers.yaml"), "as without interruption");
+}
+
 #[test]
 fn nested_stages_are_checked_like_others() {
     let project = project();
@@ -162,6 +219,24 @@ fn a_target_that_is_turned_scaled_and_elsewhere_moves_the_same_way_in_its_own_fr
         let off = here.iter().zip(&there).map(|(a, b)| (place.apply(a) - b).norm()).fold(0.0, f64::max);
         // Weights are found to a relative gap of 1e-6 in their energies, on either side.
         assert!(off < 1e-5 * target.diagonal(), "{reconstruction}: {off}");
+    }
+}
+
+#[test]
+fn a_target_like_the_source_takes_its_poses_whole() {
+    let source = meshes::bar([9, 3, 2], [3.0, 0.9, 0.7]);
+    let pose = bent(&source);
+    let off = |settings: serde_json::Value| {
+        let result = moved(settings, &source, &source, &pose);
+        result.iter().zip(&pose).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max) / source.diagonal()
+    };
+    for reconstruction in ["gradients", "blend"] {
+        let with = |residual: bool| {
+            off(serde_json::json!({ "type": "biharmonic", "reconstruction": reconstruction, "residual": residual }))
+        };
+        // The closest point of a surface to its own vertex is found to rounding. Gradients of the pose are integrated to the pose.
+        assert!(with(true) < 1e-10, "{reconstruction}: {}", with(true));
+        assert!(with(false) > 1e-3, "{reconstruction}: five maps alone: {}", with(false));
     }
 }
 

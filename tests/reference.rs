@@ -3,8 +3,11 @@
 //! The meshes are not part of this repository: they are looked for in `../shared/data`. Where they are absent the tests say
 //! that they were skipped, and fail if the environment has CI=true.
 
+mod common;
+
 use std::path::{Path, PathBuf};
 
+use common::data;
 use mimesh::core::{
     mesh::{Mesh, Surface, SurfacePoint},
     plugin::instances,
@@ -30,16 +33,6 @@ struct Score {
     placed: f64,
     /// The largest offset of any component in any pose; 0 for one component.
     component: f64,
-}
-
-fn data() -> Option<PathBuf> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data");
-    if folder.is_dir() {
-        return Some(folder);
-    }
-    assert!(std::env::var("CI").as_deref() != Ok("true"), "../shared/data is missing");
-    eprintln!("skipped: ../shared/data is missing");
-    None
 }
 
 fn read(path: &Path) -> Mesh {

@@ -3,8 +3,11 @@
 //! The mesh is not part of this repository: it is looked for in `../shared/data`. Where it is absent the tests say that they
 //! were skipped, and fail if the environment has CI=true.
 
+mod common;
+
 use std::path::Path;
 
+use common::data;
 use mimesh::core::{
     Figures,
     mesh::Surface,
@@ -23,12 +26,7 @@ struct Body {
 
 impl Body {
     fn read() -> Option<Self> {
-        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data/bodies-2k");
-        if !folder.is_dir() {
-            assert!(std::env::var("CI").as_deref() != Ok("true"), "../shared/data is missing");
-            eprintln!("skipped: ../shared/data is missing");
-            return None;
-        }
+        let folder = data()?.join("bodies-2k");
         let formats = instances::<dyn Format>();
         let (_, obj) = formats.iter().find(|(_, f)| f.extensions().contains(&"obj")).expect("OBJ is bundled");
         let read = |name: &str| obj.read(&folder.join(format!("source/{name}.obj"))).expect("a mesh").rest;

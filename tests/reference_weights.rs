@@ -3,8 +3,11 @@
 //! The meshes are not part of this repository: they are looked for in `../shared/data`. Where they are absent the tests say
 //! that they were skipped, and fail if the environment has CI=true.
 
-use std::path::{Path, PathBuf};
+mod common;
 
+use std::path::Path;
+
+use common::data;
 use mimesh::core::{
     Figures,
     mesh::{Surface, SurfacePoint},
@@ -12,16 +15,6 @@ use mimesh::core::{
     stage::{BoundWeights, Format, Proximity, Sampler, Weights},
 };
 use nalgebra::DMatrix;
-
-fn data() -> Option<PathBuf> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data");
-    if folder.is_dir() {
-        return Some(folder);
-    }
-    assert!(std::env::var("CI").as_deref() != Ok("true"), "../shared/data is missing");
-    eprintln!("skipped: ../shared/data is missing");
-    None
-}
 
 fn surface(path: &Path) -> Surface {
     let formats = instances::<dyn Format>();

@@ -6,6 +6,7 @@
 //! - [`operators`]: Laplacian, mass, gradient, deformation gradients, polar decomposition;
 //! - [`linalg`]: sparse symmetric systems, factored once and solved often;
 //! - [`spatial`]: closest points and nearest neighbours, similarity transforms;
+//! - [`random`]: seeded random numbers, the same everywhere;
 //! - [`stage`]: one trait a stage of a pipeline, with the data that passes between stages;
 //! - [`plugin`]: the registry of implementations linked into the program.
 //!
@@ -22,6 +23,7 @@ pub mod linalg;
 pub mod mesh;
 pub mod operators;
 pub mod plugin;
+pub mod random;
 pub mod spatial;
 pub mod stage;
 #[cfg(any(test, feature = "testkit"))]

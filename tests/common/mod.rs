@@ -3,7 +3,11 @@
 // Each test file uses a part of it.
 #![allow(dead_code)]
 
-use std::{fs, path::PathBuf, process::Output};
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    process::Output,
+};
 
 use assert_cmd::Command;
 use tempfile::TempDir;
@@ -21,6 +25,17 @@ pub struct Said {
     pub out: String,
     /// Standard error.
     pub err: String,
+}
+
+/// The folder of real meshes, which are not part of this repository. Without it the caller skips, and says so; with CI=true its
+/// absence is a failure.
+pub fn data() -> Option<PathBuf> {
+    if let Ok(folder) = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data").canonicalize() {
+        return Some(folder);
+    }
+    assert!(std::env::var("CI").as_deref() != Ok("true"), "../shared/data is missing");
+    eprintln!("skipped: ../shared/data is missing");
+    None
 }
 
 /// A box of eight vertices and six quads, its corners moved by `moved`.

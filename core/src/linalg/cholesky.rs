@@ -9,7 +9,8 @@ use faer::{
             SupernodalThreshold,
             cholesky::{
                 CholeskySymbolicParams, LltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
-                factorize_symbolic_cholesky, supernodal::SupernodalLltRef,
+                factorize_symbolic_cholesky,
+                supernodal::{SupernodalLltRef, factorize_supernodal_numeric_llt},
             },
         },
     },
@@ -27,7 +28,43 @@ pub struct Cholesky {
     factor: Vec<f64>,
     /// The lower triangle, for residuals.
     matrix: CscMatrix<f64>,
+    /// The lower triangle in the order of the factor, where the columns of the factor are gathered into blocks.
+    reordered: Option<Reordered>,
     what: &'static str,
+}
+
+/// A lower triangle in another order of rows and columns, which faer would make anew at every factorisation.
+#[derive(Clone)]
+struct Reordered {
+    matrix: CscMatrix<f64>,
+    /// For each of its values the place among the values of the original.
+    places: Arc<[usize]>,
+}
+
+impl Reordered {
+    /// `inverse` gives the new row of each row.
+    fn new(lower: &CscMatrix<f64>, inverse: &[usize]) -> Self {
+        let n = lower.ncols();
+        let entry = |(place, (i, j, _)): (usize, (usize, usize, &f64))| {
+            let (i, j) = (inverse[i], inverse[j]);
+            (i.min(j), i.max(j), place)
+        };
+        let mut entries: Vec<_> = lower.triplet_iter().enumerate().map(entry).collect();
+        entries.sort_unstable();
+        let mut starts = vec![0; n + 1];
+        entries.iter().for_each(|&(j, ..)| starts[j + 1] += 1);
+        (0..n).for_each(|j| starts[j + 1] += starts[j]);
+        let rows = entries.iter().map(|e| e.1).collect();
+        let places: Arc<[usize]> = entries.iter().map(|e| e.2).collect();
+        let matrix = CscMatrix::try_from_csc_data(n, n, starts, rows, vec![0.0; places.len()])
+            .expect("each entry of a lower triangle is there once");
+        Self { matrix, places }
+    }
+
+    /// Takes over the values of the original.
+    fn update(&mut self, values: &[f64]) {
+        self.matrix.values_mut().iter_mut().zip(&*self.places).for_each(|(value, &place)| *value = values[place]);
+    }
 }
 
 impl Cholesky {
@@ -66,7 +103,11 @@ impl Cholesky {
         let symbolic = factorize_symbolic_cholesky(pattern.symbolic(), Side::Lower, SymmetricOrdering::Amd, parameters)
             .map_err(|error| Error::Other(format!("{what}: {error:?}").into()))?;
         let factor = vec![0.0; symbolic.len_val()];
-        let mut result = Self { symbolic: Arc::new(symbolic), factor, matrix: lower, what };
+        let reordered = match (symbolic.raw(), symbolic.perm()) {
+            (SymbolicCholeskyRaw::Supernodal(_), Some(order)) => Some(Reordered::new(&lower, order.arrays().1)),
+            _ => None,
+        };
+        let mut result = Self { symbolic: Arc::new(symbolic), factor, matrix: lower, reordered, what };
         result.factor_numerically()?;
         Ok(result)
     }
@@ -90,7 +131,13 @@ impl Cholesky {
         let mut matrix = self.matrix.clone();
         matrix.values_mut().copy_from_slice(values);
         let factor = vec![0.0; self.factor.len()];
-        let mut result = Self { symbolic: self.symbolic.clone(), factor, matrix, what: self.what };
+        let mut result = Self {
+            symbolic: self.symbolic.clone(),
+            factor,
+            matrix,
+            reordered: self.reordered.clone(),
+            what: self.what,
+        };
         result.factor_numerically()?;
         Ok(result)
     }
@@ -147,18 +194,28 @@ impl Cholesky {
     fn factor_numerically(&mut self) -> Result<()> {
         let symbolic = &self.symbolic;
         let mut memory = MemBuffer::new(symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default()));
-        symbolic
-            .factorize_numeric_llt(
-                &mut self.factor,
-                view(&self.matrix),
-                Side::Lower,
-                Default::default(),
-                Par::Seq,
-                MemStack::new(&mut memory),
-                Default::default(),
-            )
-            .map(|_| ())
-            .map_err(|_| self.singular())?;
+        let memory = MemStack::new(&mut memory);
+        let factored = match (symbolic.raw(), &mut self.reordered) {
+            (SymbolicCholeskyRaw::Supernodal(symbolic), Some(reordered)) => {
+                reordered.update(self.matrix.values());
+                let lower = view(&reordered.matrix);
+                let (regularisation, parameters) = Default::default();
+                let factor = &mut self.factor;
+                factorize_supernodal_numeric_llt(factor, lower, regularisation, symbolic, Par::Seq, memory, parameters)
+                    .is_ok()
+            }
+            _ => {
+                let lower = view(&self.matrix);
+                let (regularisation, parameters) = Default::default();
+                let factor = &mut self.factor;
+                symbolic
+                    .factorize_numeric_llt(factor, lower, Side::Lower, regularisation, Par::Seq, memory, parameters)
+                    .is_ok()
+            }
+        };
+        if !factored {
+            return Err(self.singular());
+        }
         // A semi-definite matrix may leave a pivot of rounding instead of none.
         let smallest = 16.0 * f64::EPSILON * (self.size() as f64).sqrt();
         let (starts, _, values) = self.matrix.csc_data();

@@ -5,12 +5,9 @@
 //! that runs empty takes the point farthest from its centre. A point leaves its cluster only for a centre that is strictly
 //! nearer, and everything is summed in the order of points, so equal inputs give equal clusters.
 
-use mimesh_core::{Error, Figures, Result, stage::Regions};
+use mimesh_core::{Error, Figures, Result, random::Random, stage::Regions};
 
-use crate::{
-    random::Random,
-    start::{Nearest, given, plus_plus},
-};
+use crate::start::{Nearest, given, plus_plus};
 
 /// Points, one a row.
 #[derive(Clone, Debug)]
@@ -255,13 +252,11 @@ fn half_gaps(centres: &Points) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
-    use mimesh_core::testkit::random;
-
     use super::*;
 
     /// Points about a few places, of which some overlap.
     fn cloud(seed: u64, count: usize, dimensions: usize, places: usize) -> Points {
-        let mut random = random::Random::new(seed);
+        let mut random = Random::new(seed);
         let about: Vec<Vec<f64>> =
             (0..places).map(|_| (0..dimensions).map(|_| random.between(-2.0, 2.0)).collect()).collect();
         let mut points = Points::zeros(count, dimensions);

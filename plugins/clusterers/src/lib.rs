@@ -6,7 +6,6 @@ pub mod weight_kmeans;
 mod kmeans;
 mod pose_features;
 mod principal;
-mod random;
 mod start;
 #[cfg(test)]
 mod tests;

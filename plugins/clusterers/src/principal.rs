@@ -23,7 +23,7 @@ pub(crate) fn along_principal_axes(points: DMatrix<f64>) -> DMatrix<f64> {
 
 #[cfg(test)]
 mod tests {
-    use mimesh_core::testkit::random::Random;
+    use mimesh_core::random::Random;
 
     use super::*;
 

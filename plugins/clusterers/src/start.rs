@@ -1,13 +1,11 @@
 //! Where k-means starts: from given clusters, or from centres spread by k-means++ (Arthur and Vassilvitskii 2007).
 
+use mimesh_core::random::Random;
 use nalgebra::DMatrix;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::{
-    kmeans::{Points, square_distance, square_distance_below},
-    random::Random,
-};
+use crate::kmeans::{Points, square_distance, square_distance_below};
 
 /// Where the first start of a clusterer is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema, Serialize)]
@@ -73,7 +71,7 @@ pub(crate) fn given(points: &Points, count: usize, of_point: &[u32]) -> (Points,
 /// At most `count` different points as centres, each drawn with a probability in proportion to its squared distance from those
 /// before it, and the nearest of them to each point.
 pub(crate) fn plus_plus(points: &Points, count: usize, random: &mut Random) -> (Points, Vec<Nearest>) {
-    let mut chosen = vec![((random.unit() * points.len() as f64) as usize).min(points.len().saturating_sub(1))];
+    let mut chosen = vec![random.index(points.len())];
     let first = points.row(chosen[0]);
     let mut nearest: Vec<_> =
         points.rows().map(|x| Nearest { cluster: 0, upper: square_distance(x, first), lower: f64::INFINITY }).collect();

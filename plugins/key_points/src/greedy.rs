@@ -14,7 +14,7 @@ use mimesh_core::{
     plugin::{configured, instance, nested},
     register,
     serde_json::json,
-    stage::{ChoiceWatch, Chosen, Clusterer, Deformer, KeyPoints, KeyPointsInput, Sampler, Weights},
+    stage::{ChoiceWatch, Chosen, Clusterer, Deformer, KeyPoints, KeyPointsInput, Proximity, Sampler, Weights},
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -55,6 +55,8 @@ pub struct Greedy {
     pub weights: Option<Box<dyn Weights>>,
     /// Weights that rank candidates.
     pub ranking: Option<Box<dyn Weights>>,
+    /// What links the components of a source of several; with `null` each has a key point from the beginning.
+    pub proximity: Option<Box<dyn Proximity>>,
     /// How the source is divided into regions that move about rigidly.
     pub clusterer: Option<Box<dyn Clusterer>>,
     /// How poses are fitted.
@@ -85,6 +87,7 @@ impl Default for Greedy {
             sampler: instance("farthest_point"),
             weights: instance("bounded_biharmonic"),
             ranking: configured(json!({ "type": "biharmonic", "clamp": true })),
+            proximity: instance("spanning_tree"),
             clusterer: instance("rotation_kmeans"),
             deformer: instance("arap_skinning"),
         }
@@ -122,9 +125,13 @@ impl KeyPoints for Greedy {
         let first = if started.is_empty() { vec![self.first] } else { started };
         let regions = clusterer.bind(source, poses)?;
         let deformer = deformer.bind(source)?;
+        let links = match &self.proximity {
+            Some(proximity) if source.components().count() > 1 => Some(proximity.proximity(source)?),
+            _ => None,
+        };
         let judge = |weights: &dyn Weights| -> Result<Judge<'_>> {
             Ok(Judge {
-                weights: weights.bind(source, &points, None)?,
+                weights: weights.bind(source, &points, links.as_ref())?,
                 regions: regions.as_ref(),
                 deformer: deformer.as_ref(),
                 poses,
@@ -137,8 +144,8 @@ impl KeyPoints for Greedy {
             Some(ranking) if !self.exhaustive => Some(judge(ranking.as_ref())?),
             _ => None,
         };
-        // A component without a handle cannot be moved, so that each has one from the beginning.
-        let first = candidates::cover_components(source, &points, first);
+        // A component without a handle or a link cannot be moved, so that each has one from the beginning.
+        let first = if links.is_some() { first } else { candidates::cover_components(source, &points, first) };
         let mut search = Search::new(&points, &exact, ranking.as_ref(), self.shortlist, watch);
         search.begin(first)?;
         search.add(self.threshold, self.max_count)?;

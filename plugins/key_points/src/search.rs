@@ -183,6 +183,10 @@ impl<'a> Search<'a> {
         };
         self.judged += short.len();
         let errors = self.errors(self.exact, &short);
+        // An interrupted step has seen some of the sets only, whose best may be another than that of all.
+        if self.watch.is_interrupted() {
+            return Ok(None);
+        }
         let best = errors.into_iter().min_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
         Ok(best.map(|(i, error)| (short.swap_remove(i), error)))
     }

@@ -7,6 +7,7 @@
 use mimesh_core::{
     Result,
     mesh::{Surface, SurfacePoint},
+    random::Random,
     register,
     spatial::EdgePaths,
     stage::Sampler,
@@ -14,10 +15,7 @@ use mimesh_core::{
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::{
-    ground::{Ground, too_few},
-    random::Random,
-};
+use crate::ground::{Ground, too_few};
 
 register!(Sampler: FarthestPoint);
 

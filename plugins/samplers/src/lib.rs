@@ -4,6 +4,5 @@ pub mod farthest_point;
 pub mod given;
 mod ground;
 pub mod poisson_disk;
-mod random;
 
 pub use farthest_point::Metric;

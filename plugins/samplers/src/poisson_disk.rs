@@ -11,6 +11,7 @@ use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
 use mimesh_core::{
     Error, Result,
     mesh::{Surface, SurfacePoint},
+    random::Random,
     register,
     stage::Sampler,
 };
@@ -18,7 +19,7 @@ use nalgebra::Point3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::{ground::Ground, random::Random};
+use crate::ground::Ground;
 
 register!(Sampler: PoissonDisk);
 

@@ -13,24 +13,31 @@
 //! handles to the target's: at about the points of the source that correspond. The target takes the deformation gradients
 //! from y to the blend, integrated over its own surface (`reconstruction: blend` for the paper). Where source and target have
 //! the same shape, both are the same.
+//!
+//! The maps leave something of the source's pose: r(p) from where they bring its point p to where it is. The target takes that
+//! too, from the source's points closest to y (`residual: false` for the paper).
+
+mod integral;
+mod residual;
 
 use mimesh_core::{
     Error, Figures, Result,
     mesh::{Surface, SurfacePoint, check_finite},
-    operators::{DeformationGradients, linear_blend},
+    operators::linear_blend,
     plugin::{instance, nested},
     register,
     spatial::{Orientation, Similarity},
     stage::{
-        BoundTransfer, Clusterer, Deformer, HandleWeights, Marker, Pair, Skin, Transfer, Transferred, TriangleMap,
-        Weights,
+        BoundTransfer, Clusterer, Deformer, HandleWeights, Marker, Pair, Proximity, Skin, Transfer, Transferred,
+        TriangleMap, Weights,
     },
 };
-use nalgebra::{DMatrix, Matrix3, Matrix3x4, Point3, Vector3};
+use nalgebra::Point3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::{loose::Loose, poisson::Poisson};
+use integral::Integral;
+use residual::Residual;
 
 register!(Transfer: Biharmonic);
 
@@ -42,6 +49,9 @@ register!(Transfer: Biharmonic);
 pub struct Biharmonic {
     /// How the influence of handles spreads over both surfaces.
     pub weights: Option<Box<dyn Weights>>,
+    /// What links the components of a source of several, so that not each needs a marker; `null` for nothing. (The target's
+    /// are linked by the `proximity` of the pipeline.)
+    pub source_proximity: Option<Box<dyn Proximity>>,
     /// How the source is divided into regions that move about rigidly.
     pub clusterer: Option<Box<dyn Clusterer>>,
     /// How the maps of the handles are found.
@@ -52,6 +62,8 @@ pub struct Biharmonic {
     pub orientation: Orientation,
     /// How the maps become positions.
     pub reconstruction: Reconstruction,
+    /// Whether the target also takes what the maps leave of the source's pose, at the corresponding places; not in the paper.
+    pub residual: bool,
     /// Most poses that the regions are learned from; they are held in memory together.
     #[schemars(range(min = 1))]
     pub learn_from: usize,
@@ -84,11 +96,13 @@ impl Default for Biharmonic {
     fn default() -> Self {
         Self {
             weights: instance("bounded_biharmonic"),
+            source_proximity: instance("spanning_tree"),
             clusterer: instance("rotation_kmeans"),
             deformer: instance("arap_skinning"),
             frame: Frame::Fitted,
             orientation: Orientation::Auto,
             reconstruction: Reconstruction::Gradients,
+            residual: true,
             learn_from: 32,
         }
     }
@@ -117,14 +131,22 @@ impl Transfer for Biharmonic {
         self.check(pair)?;
         let (weights, clusterer, deformer) = self.stages()?;
         let handles: Vec<usize> = (0..pair.markers.len()).collect();
-        let solve = |name: &str, surface: &Surface, points: Vec<SurfacePoint>, proximity| {
+        let solve = |side: &str, surface: &Surface, points: Vec<SurfacePoint>, proximity| {
             let named = |error: Error| match error {
-                Error::Data { message, hint } => Error::Data { message: format!("{name}: {message}"), hint },
+                Error::Data { message, hint } => {
+                    let which = if message.starts_with("point") { " (markers, counted from 0)" } else { "" };
+                    Error::Data { message: format!("handles on the {side}{which}: {message}"), hint }
+                }
                 other => other,
             };
             weights.bind(surface, &points, proximity).and_then(|bound| bound.solve(&handles)).map_err(named)
         };
-        let of_source = solve("source", pair.source, pair.markers.iter().map(|m| m.source).collect(), None)?;
+        let links = match &self.source_proximity {
+            Some(proximity) if pair.source.components().count() > 1 => Some(proximity.proximity(pair.source)?),
+            _ => None,
+        };
+        let on_source = pair.markers.iter().map(|m| m.source).collect();
+        let of_source = solve("source", pair.source, on_source, links.as_ref())?;
         let of_target = solve("target", pair.target, pair.markers.iter().map(|m| m.target).collect(), pair.proximity)?;
         let regions = clusterer.bind(pair.source, poses)?.cluster(&of_source.matrix)?;
         let skin = deformer.bind(pair.source)?.skin(&of_source, &regions)?;
@@ -144,12 +166,15 @@ impl Transfer for Biharmonic {
             figures.warnings.extend(found.warnings.iter().map(|warning| format!("{side}: {warning}")));
         }
         let in_source = target_from_source.inverse();
-        let rest: Vec<_> = pair.target.positions.iter().map(|x| in_source.apply(x)).collect();
-        let integral = match self.reconstruction {
-            Reconstruction::Blend => None,
-            Reconstruction::Gradients => Some(Integral::new(pair, &of_target, rest.clone(), &in_source)?),
+        let rest = pair.target.positions.iter().map(|x| in_source.apply(x)).collect();
+        let target = Surface { positions: rest, ..pair.target.clone() };
+        let places = places(pair, &of_target, &target.positions, &in_source);
+        let residual = self.residual.then(|| Residual::new(pair.source, &target, &places)).transpose()?;
+        let (places, integral) = match self.reconstruction {
+            Reconstruction::Blend => (target.positions, None),
+            Reconstruction::Gradients => (places.clone(), Some(Integral::new(target, places)?)),
         };
-        Ok(Box::new(Bound { skin, weights: of_target, rest, integral, target_from_source, figures }))
+        Ok(Box::new(Bound { skin, weights: of_target, places, residual, integral, target_from_source, figures }))
     }
 
     fn check(&self, pair: Pair<'_>) -> Result<()> {
@@ -184,13 +209,28 @@ impl Biharmonic {
     }
 }
 
+/// y: the target's vertices, at `rest` in the source's frame, less the ways from the source's handles to the target's.
+fn places(pair: Pair<'_>, weights: &HandleWeights, rest: &[Point3<f64>], in_source: &Similarity) -> Vec<Point3<f64>> {
+    let offset = |marker: &Marker| {
+        let on_target = in_source.apply(&marker.target.position(pair.target, &pair.target.positions));
+        on_target - marker.source.position(pair.source, &pair.source.positions)
+    };
+    let mut places = rest.to_vec();
+    for (column, marker) in weights.matrix.column_iter().zip(pair.markers) {
+        let offset = offset(marker);
+        places.iter_mut().zip(column.iter()).for_each(|(y, w)| *y -= offset * *w);
+    }
+    places
+}
+
 #[derive(Debug)]
 struct Bound {
     skin: Box<dyn Skin>,
     /// W of the target.
     weights: HandleWeights,
-    /// The target at rest in the source's frame.
-    rest: Vec<Point3<f64>>,
+    /// Where the maps act on the target's vertices, in the source's frame: y, or the vertices themselves.
+    places: Vec<Point3<f64>>,
+    residual: Option<Residual>,
     integral: Option<Integral>,
     target_from_source: Similarity,
     figures: Figures,
@@ -199,10 +239,13 @@ struct Bound {
 impl BoundTransfer for Bound {
     fn transfer(&self, posed: &[Point3<f64>]) -> Result<Transferred> {
         let fit = self.skin.fit(posed)?;
-        let moved = match &self.integral {
-            None => linear_blend(&self.weights.matrix, &fit.transforms, &self.rest)?,
-            Some(integral) => integral.positions(&self.weights.matrix, &fit.transforms)?,
-        };
+        let mut moved = linear_blend(&self.weights.matrix, &fit.transforms, &self.places)?;
+        if let Some(residual) = &self.residual {
+            residual.add(posed, &fit.positions, &mut moved);
+        }
+        if let Some(integral) = &self.integral {
+            moved = integral.positions(&self.weights.matrix, &fit.transforms, &moved)?;
+        }
         let positions: Vec<_> = moved.iter().map(|q| self.target_from_source.apply(q)).collect();
         check_finite(&positions)?;
         Ok(Transferred { positions, figures: fit.figures })
@@ -210,89 +253,5 @@ impl BoundTransfer for Bound {
 
     fn figures(&self) -> Figures {
         self.figures.clone()
-    }
-}
-
-/// The target at corresponding places of the source, and how gradients there become positions of the target.
-#[derive(Debug)]
-struct Integral {
-    /// y.
-    places: Vec<Point3<f64>>,
-    gradients: DeformationGradients,
-    poisson: Poisson,
-    loose: Loose,
-    triangles: Vec<[u32; 3]>,
-    /// x: the target at rest in the source's frame.
-    rest: Vec<Point3<f64>>,
-    /// The vertices of each component with their shares of its area.
-    components: Vec<Vec<(u32, f64)>>,
-}
-
-impl Integral {
-    fn new(pair: Pair<'_>, weights: &HandleWeights, rest: Vec<Point3<f64>>, in_source: &Similarity) -> Result<Self> {
-        let target = Surface { positions: rest, ..pair.target.clone() };
-        let offset = |marker: &Marker| {
-            let on_target = in_source.apply(&marker.target.position(pair.target, &pair.target.positions));
-            on_target - marker.source.position(pair.source, &pair.source.positions)
-        };
-        let mut places = target.positions.clone();
-        for (column, marker) in weights.matrix.column_iter().zip(pair.markers) {
-            let offset = offset(marker);
-            places.iter_mut().zip(column.iter()).for_each(|(y, w)| *y -= offset * *w);
-        }
-        let areas = target.area_normals(&target.positions);
-        let components = target.components();
-        let mut shares = vec![0.0; target.vertex_count()];
-        for (corners, area) in target.triangles.iter().zip(&areas) {
-            corners.iter().for_each(|&v| shares[v as usize] += area.norm());
-        }
-        let mut members = vec![Vec::new(); components.count()];
-        for (v, c) in components.of_vertex.iter().enumerate() {
-            if let Some(c) = c {
-                members[*c as usize].push((v as u32, shares[v]));
-            }
-        }
-        for members in &mut members {
-            let total: f64 = members.iter().map(|(_, share)| share).sum();
-            let count = members.len() as f64;
-            members.iter_mut().for_each(|(_, share)| *share = if total > 0.0 { *share / total } else { 1.0 / count });
-        }
-        Ok(Self {
-            gradients: DeformationGradients::new(&places, &target.triangles),
-            poisson: Poisson::new(&target, |area| area)?,
-            loose: Loose::new(&target),
-            triangles: target.triangles.clone(),
-            rest: target.positions,
-            places,
-            components: members,
-        })
-    }
-
-    /// The target in the source's frame for maps `transforms`.
-    fn positions(&self, weights: &DMatrix<f64>, transforms: &[Matrix3x4<f64>]) -> Result<Vec<Point3<f64>>> {
-        let blend = linear_blend(weights, transforms, &self.places)?;
-        let gradient = |t: usize| {
-            if self.gradients.is_defined(t) {
-                return self.gradients.of_triangle(t, &blend);
-            }
-            // Without area at the source's place: as the maps have it.
-            let corner = |v: u32| -> Matrix3<f64> {
-                let row = weights.row(v as usize);
-                row.iter().zip(transforms).map(|(w, t)| t.fixed_columns::<3>(0) * *w).sum()
-            };
-            self.triangles[t].iter().map(|&v| corner(v)).sum::<Matrix3<f64>>() / 3.0
-        };
-        let field: Vec<_> = (0..self.triangles.len()).map(gradient).collect();
-        let mut positions = self.poisson.solve(&field, 0, 1.0)?.positions;
-        for members in &self.components {
-            let mean = |points: &[Point3<f64>]| -> Vector3<f64> {
-                members.iter().map(|&(v, share)| points[v as usize].coords * share).sum()
-            };
-            let goal = mean(&self.rest) + mean(&blend) - mean(&self.places);
-            let shift = goal - mean(&positions);
-            members.iter().for_each(|&(v, _)| positions[v as usize] += shift);
-        }
-        self.loose.place(|t| field[t], &mut positions);
-        Ok(positions)
     }
 }

@@ -1,0 +1,94 @@
+//! Positions of the target from the gradients of the blend at corresponding places of the source.
+
+use mimesh_core::{
+    Result,
+    mesh::Surface,
+    operators::{Gradient, gradients},
+};
+use nalgebra::{DMatrix, Matrix3, Matrix3x4, Point3, Vector3};
+
+use crate::{loose::Loose, poisson::Poisson};
+
+/// The target at corresponding places of the source, and how gradients there become positions of the target.
+#[derive(Debug)]
+pub(super) struct Integral {
+    /// Of each triangle at y.
+    gradients: Vec<Option<Gradient>>,
+    /// The unit normal of each triangle at y.
+    normals: Vec<Vector3<f64>>,
+    /// y.
+    places: Vec<Point3<f64>>,
+    poisson: Poisson,
+    loose: Loose,
+    triangles: Vec<[u32; 3]>,
+    /// x: the target at rest in the source's frame.
+    rest: Vec<Point3<f64>>,
+    /// The vertices of each component with their shares of its area.
+    components: Vec<Vec<(u32, f64)>>,
+}
+
+impl Integral {
+    /// `target` is at rest in the source's frame, `places` are y.
+    pub(super) fn new(target: Surface, places: Vec<Point3<f64>>) -> Result<Self> {
+        let areas = target.area_normals(&target.positions);
+        let components = target.components();
+        let mut shares = vec![0.0; target.vertex_count()];
+        for (corners, area) in target.triangles.iter().zip(&areas) {
+            corners.iter().for_each(|&v| shares[v as usize] += area.norm());
+        }
+        let mut members = vec![Vec::new(); components.count()];
+        for (v, c) in components.of_vertex.iter().enumerate() {
+            if let Some(c) = c {
+                members[*c as usize].push((v as u32, shares[v]));
+            }
+        }
+        for members in &mut members {
+            let total: f64 = members.iter().map(|(_, share)| share).sum();
+            let count = members.len() as f64;
+            members.iter_mut().for_each(|(_, share)| *share = if total > 0.0 { *share / total } else { 1.0 / count });
+        }
+        Ok(Self {
+            gradients: gradients(&places, &target.triangles),
+            normals: target.area_normals(&places).iter().map(|n| n.try_normalize(0.0).unwrap_or_default()).collect(),
+            poisson: Poisson::new(&target, |area| area)?,
+            loose: Loose::new(&target),
+            triangles: target.triangles.clone(),
+            rest: target.positions,
+            places,
+            components: members,
+        })
+    }
+
+    /// The target in the source's frame, for maps `transforms` that bring y to `blend`.
+    pub(super) fn positions(
+        &self,
+        weights: &DMatrix<f64>,
+        transforms: &[Matrix3x4<f64>],
+        blend: &[Point3<f64>],
+    ) -> Result<Vec<Point3<f64>>> {
+        let gradient = |t: usize| {
+            // Weights do not change along the normal, so that there the gradient is the maps' own.
+            let corner = |v: u32| -> Matrix3<f64> {
+                let row = weights.row(v as usize);
+                row.iter().zip(transforms).map(|(w, t)| t.fixed_columns::<3>(0) * *w).sum()
+            };
+            let corners = self.triangles[t];
+            let of_maps = corners.iter().map(|&v| corner(v)).sum::<Matrix3<f64>>() / 3.0;
+            let Some(gradient) = &self.gradients[t] else { return of_maps };
+            let normal = self.normals[t];
+            gradient.of_posed(&corners.map(|v| blend[v as usize])) + of_maps * normal * normal.transpose()
+        };
+        let field: Vec<_> = (0..self.triangles.len()).map(gradient).collect();
+        let mut positions = self.poisson.solve(&field, 0, 1.0)?.positions;
+        for members in &self.components {
+            let mean = |points: &[Point3<f64>]| -> Vector3<f64> {
+                members.iter().map(|&(v, share)| points[v as usize].coords * share).sum()
+            };
+            let goal = mean(&self.rest) + mean(blend) - mean(&self.places);
+            let shift = goal - mean(&positions);
+            members.iter().for_each(|&(v, _)| positions[v as usize] += shift);
+        }
+        self.loose.place(|t| field[t], &mut positions);
+        Ok(positions)
+    }
+}
