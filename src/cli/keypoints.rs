@@ -102,12 +102,11 @@ impl KeyPoints {
             }));
         } else if !self.quiet {
             chosen.figures.warnings.iter().for_each(|warning| terminal::warn(warning));
-            let error = chosen.steps.last().map_or(0.0, |step| step.error);
-            let mut text = format!(
-                "{} key points, error {error:.4} (mean distance to the poses, the source in the unit sphere), {:.1} s\n",
-                chosen.points.len(),
-                started.elapsed().as_secs_f64()
-            );
+            let error = chosen.steps.last().map_or(String::new(), |step| {
+                format!(", error {:.4} (mean distance to the poses, the source in the unit sphere)", step.error)
+            });
+            let (count, seconds) = (chosen.points.len(), started.elapsed().as_secs_f64());
+            let mut text = format!("{count} key points{error}, {seconds:.1} s\n");
             for file in &written {
                 text.push_str(&format!("written: {}\n", file.path.display()));
             }

@@ -79,11 +79,13 @@ fn page(plugin: &Plugin, schema: &Value, defaults: &Value) -> String {
 /// Kind, range and default in the first line, then the doc comment and that of every choice; without a default it must
 /// be given.
 fn setting(schema: &Value, default: Option<&Value>) -> String {
-    let mut head = vec![kind(schema)];
+    let mut head =
+        vec![default.and_then(nested).map_or_else(|| kind(schema), |plugin| format!("a stage, {}", plugin.stage))];
     head.extend(range(schema));
     match default {
         Some(Value::Null) => {}
         Some(Value::String(word)) => head.push(format!("default {word}")),
+        Some(stage) if nested(stage).is_some() => head.push(format!("default {}", in_yaml(stage))),
         Some(default) => head.push(format!("default {default}")),
         None => head.push("must be given".into()),
     }
@@ -94,6 +96,25 @@ fn setting(schema: &Value, default: Option<&Value>) -> String {
         choices.into_iter().filter(|(_, doc)| !doc.is_empty()).map(|(choice, doc)| format!("- {choice}: {doc}")),
     );
     lines.join("\n")
+}
+
+/// The implementation that a stage within a stage is.
+fn nested(value: &Value) -> Option<&'static Plugin> {
+    let name = value.get("type")?.as_str()?;
+    let has_keys = |plugin: &&Plugin| {
+        let defaults = (plugin.settings)();
+        value.as_object().is_some_and(|map| map.keys().all(|key| key == "type" || defaults.get(key).is_some()))
+    };
+    plugin::all().into_iter().filter(|plugin| (plugin.name)() == name).find(has_keys)
+}
+
+/// A value as YAML has it in a line; of a stage within a stage only what differs from its defaults.
+fn in_yaml(value: &Value) -> String {
+    let (Some(plugin), Some(map)) = (nested(value), value.as_object()) else { return value.to_string() };
+    let defaults = (plugin.settings)();
+    let others = map.iter().filter(|(key, value)| *key != "type" && defaults.get(key) != Some(value));
+    let others: String = others.map(|(key, value)| format!(", {key}: {}", in_yaml(value))).collect();
+    format!("{{ type: {}{others} }}", (plugin.name)())
 }
 
 fn kind(schema: &Value) -> String {
@@ -137,7 +158,7 @@ fn example(stage: &str, name: &str, needed: &[&str], defaults: Option<&Map<Strin
         Value::String(word) if !word.is_empty() && word.chars().all(|c| c.is_ascii_lowercase() || c == '_') => {
             format!("{key}: {word}")
         }
-        _ => format!("{key}: {value}"),
+        _ => format!("{key}: {}", in_yaml(value)),
     }));
     match stage {
         "metric" | "format" => format!("  {stage}s:\n    - {}\n", lines.join("\n      ")),

@@ -1,19 +1,20 @@
 //! `--set slot.key=value`: values that replace those of the file.
 
-use serde_json::{Map, Value};
+use serde_json::{Map, Value, json};
 
 use super::{
     Document, Step,
     document::{type_first, yaml_value},
 };
 use crate::{
+    core::plugin,
     mistake::{Mistake, Place},
     status::Status,
 };
 
 /// Replaces values of `document` as `settings` say, in their order: `transfer.strength=0.5`, `output=[a.obj, b.glb]`.
 ///
-/// Values are YAML; what the path lacks is made. They are checked like those of the file, when the document is parsed.
+/// Values are YAML; what the path lacks is made, stages within a stage with their default types. They are checked like those of the file, when the document is parsed.
 ///
 /// # Errors
 ///
@@ -69,6 +70,12 @@ fn apply_one(document: &mut Document, setting: &str) -> Result<(), Mistake> {
                 if !other.is_object() {
                     *other = Value::Object(Map::new());
                 }
+                if i + 1 < path.len()
+                    && other.get(step.to_string()).is_none_or(Value::is_null)
+                    && let Some(nested) = default_of_nested(other, &step.to_string())
+                {
+                    other[step.to_string()] = json!({ "type": nested });
+                }
                 &mut other[step.to_string()]
             }
         };
@@ -77,6 +84,14 @@ fn apply_one(document: &mut Document, setting: &str) -> Result<(), Mistake> {
     document.value = type_first(std::mem::take(&mut document.value));
     document.overrides.push((path, option));
     Ok(())
+}
+
+/// The type of the stage that `stage` takes for its slot `slot` where the file names none.
+fn default_of_nested(stage: &Value, slot: &str) -> Option<String> {
+    let name = stage.get("type")?.as_str()?;
+    // An implementation of another stage may have the name as well, but hardly that slot.
+    let mut named = plugin::all().into_iter().filter(|plugin| (plugin.name)() == name);
+    named.find_map(|plugin| Some((plugin.settings)().get(slot)?.get("type")?.as_str()?.into()))
 }
 
 #[cfg(test)]
@@ -93,6 +108,14 @@ mod tests {
             Ok(()) => Ok(document),
             Err(mistakes) => Err(mistakes.iter().map(Mistake::to_string).collect::<Vec<_>>().join("\n")),
         }
+    }
+
+    #[test]
+    #[cfg(feature = "bundled")]
+    fn a_stage_within_a_stage_keeps_its_default_type() {
+        let document = set("transfer: { type: biharmonic }\n", &["transfer.deformer.lambda=5"]).unwrap();
+        let expected = r#"{"transfer":{"type":"biharmonic","deformer":{"type":"arap_skinning","lambda":5}}}"#;
+        assert_eq!(document.value.to_string(), expected);
     }
 
     #[test]
