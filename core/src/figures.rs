@@ -1,18 +1,18 @@
 //! Numbers that a stage reports about its work.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 /// What a stage says of its result: named figures in a fixed order, and warnings for a person.
 ///
 /// They go to the summary of a run and to `run.json`; nothing is decided by them.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Figures {
     /// Names in `snake_case` with a unit where there is one, and values.
     #[serde(flatten)]
     pub values: serde_json::Map<String, Value>,
     /// Sentences about what was skipped or looks wrong, each with a way out.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<String>,
 }
 

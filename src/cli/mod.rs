@@ -1,11 +1,13 @@
 //! The command line: one file a subcommand. What is computed goes to stdout, everything else to stderr.
 
+mod cache;
 mod check;
 mod completions;
 mod components;
 mod inspect;
 mod keypoints;
 mod list;
+mod plan;
 mod progress;
 mod run;
 mod schema;
@@ -44,6 +46,7 @@ struct Cli {
 enum Command {
     Run(run::Run),
     Check(check::Check),
+    Plan(plan::PlanRun),
     #[command(name = "keypoints")]
     KeyPoints(keypoints::KeyPoints),
     List(list::List),
@@ -51,6 +54,7 @@ enum Command {
     Schema(schema::SchemaOf),
     Inspect(inspect::Inspect),
     Score(score::Score),
+    Cache(cache::ShowCache),
     Completions(completions::Completions),
 }
 
@@ -69,12 +73,14 @@ pub fn main() -> ExitCode {
     let result = match cli.command {
         Command::Run(command) => command.run(),
         Command::Check(command) => command.run(),
+        Command::Plan(command) => command.run(),
         Command::KeyPoints(command) => command.run(),
         Command::List(command) => command.run(),
         Command::Show(command) => command.run(),
         Command::Schema(command) => command.run(),
         Command::Inspect(command) => command.run(),
         Command::Score(command) => command.run(),
+        Command::Cache(command) => command.run(),
         Command::Completions(command) => command.run(Cli::command()),
     };
     match result {

@@ -1,6 +1,6 @@
 use std::path::PathBuf;
 
-use super::{Ended, progress::Progress, summary, terminal};
+use super::{Ended, cache::CacheOptions, progress::Progress, summary, terminal};
 use crate::{
     pipeline::{self, Options, staging},
     status::Status,
@@ -20,6 +20,8 @@ pub struct Run {
     pipeline: PathBuf,
     #[command(flatten)]
     overrides: Overrides,
+    #[command(flatten)]
+    cache: CacheOptions,
     /// Threads to use; results do not depend on their number [default: all]
     #[arg(long, value_name = "N", value_parser = threads)]
     threads: Option<u16>,
@@ -62,8 +64,9 @@ impl Run {
             // Before what they warn of may fail.
             prepared.warnings.iter().for_each(|warning| terminal::warn(warning));
         }
+        let cache = self.cache.open()?;
         let threads = self.threads.map_or(0, usize::from);
-        let outcome = pipeline::run(&prepared, &options.settings, threads, &progress);
+        let outcome = pipeline::run(&prepared, &options.settings, threads, cache.as_ref(), &progress);
         progress.finish();
         let outcome = outcome?;
         outcome.failed.iter().for_each(terminal::tell_one);

@@ -32,7 +32,16 @@ pub fn of(report: &Report, path: &Path) -> String {
             }
             _ => String::new(),
         };
-        let _ = writeln!(text, "\n{}{name}: {}{cpu}{each}", stage.stage, seconds(stage.seconds));
+        let kept = report.poses.iter().filter(|pose| pose.reused).count();
+        let kept = match kept {
+            count if stage.stage == "poses" && count > 0 => format!(", {count} of {} kept", report.poses.len()),
+            _ => String::new(),
+        };
+        if stage.reused {
+            let _ = writeln!(text, "\n{}{name}: kept from an earlier run", stage.stage);
+        } else {
+            let _ = writeln!(text, "\n{}{name}: {}{cpu}{each}{kept}", stage.stage, seconds(stage.seconds));
+        }
         if stage.stage == "correspondence" {
             text += &partners(&stage.figures, report.target.triangles);
         }

@@ -4,6 +4,7 @@
 //! with the files it names something [`Prepared`] ([`prepare`]), and that a [`Report`] ([`run()`]). Up to `prepare`
 //! mistakes are collected and told together; nothing is computed before there are none.
 
+pub mod cache;
 pub mod check;
 pub mod document;
 mod formats;
@@ -12,6 +13,7 @@ pub mod key_points;
 mod one_or_many;
 pub mod overrides;
 pub mod parse;
+pub mod plan;
 mod poses;
 pub mod process;
 mod ranges;

@@ -8,6 +8,7 @@ use rayon::prelude::*;
 
 use super::{
     Formats,
+    cache::{Cache, Key, Moved, Recipes},
     check::{Output, PoseFrom, PoseInput, Prepared, Side},
     report::{PoseReport, measure},
     run::of_pose,
@@ -16,7 +17,7 @@ use super::{
 };
 use crate::{
     core::{
-        Error, Figures, Result,
+        Error, Result,
         mesh::check_finite,
         stage::{BoundTransfer, MeshWriter, MetricInput, Motion, SequenceWriter, Transferred, WriteError},
     },
@@ -33,10 +34,44 @@ pub struct Bench<'a> {
     pub prepared: &'a Prepared,
     /// The type of the transfer, for messages.
     pub transfer: &'a str,
-    /// The transfer.
-    pub bound: &'a dyn BoundTransfer,
+    /// The transfer; `None` if all poses are kept.
+    pub bound: Option<&'a dyn BoundTransfer>,
+    /// Where poses are kept.
+    pub shelf: Option<Shelf<'a>>,
     /// Is told of every pose.
     pub watch: &'a dyn Watch,
+}
+
+/// Results of poses that are kept from run to run.
+#[derive(Clone, Copy, Debug)]
+pub struct Shelf<'a> {
+    /// The cache.
+    pub cache: &'a Cache,
+    /// What the results depend on.
+    pub recipes: &'a Recipes,
+    /// Whether poses are frames of one motion.
+    pub motion: bool,
+}
+
+impl Shelf<'_> {
+    /// The kept result of pose `i`.
+    pub fn get(&self, i: usize) -> Option<Moved> {
+        self.cache.get(self.kind(), self.key(i)?)
+    }
+
+    fn put(&self, i: usize, moved: &Moved) {
+        if let Some(key) = self.key(i) {
+            self.cache.put(self.kind(), key, moved);
+        }
+    }
+
+    fn kind(&self) -> &'static str {
+        if self.motion { "frame" } else { "pose" }
+    }
+
+    fn key(&self, i: usize) -> Option<Key> {
+        if self.motion { self.recipes.frame(i) } else { self.recipes.pose(i) }
+    }
 }
 
 /// What comes of the poses.
@@ -51,9 +86,6 @@ pub struct Stream {
     /// Sentences about single poses.
     pub warnings: Vec<String>,
 }
-
-/// The target's vertices in a pose, and what the transfer says of them.
-type Moved = (Vec<Point3<f64>>, Figures);
 
 /// What comes of one pose.
 struct Done {
@@ -73,7 +105,7 @@ impl Bench<'_> {
         let mut sequences = self.sequences()?;
         let chunk = rayon::current_num_threads() * POSES_PER_THREAD;
         let poses: Vec<(usize, &PoseInput)> = self.prepared.poses.iter().enumerate().collect();
-        let mut motion = self.bound.motion();
+        let mut motion = self.bound.and_then(|bound| bound.motion());
         for chunk in poses.chunks(chunk) {
             let done: Vec<_> = match &mut motion {
                 None => chunk.par_iter().map(|(i, pose)| self.pose(*i, pose)).collect(),
@@ -126,8 +158,15 @@ impl Bench<'_> {
 
     /// A pose that stands alone.
     fn pose(&self, i: usize, pose: &PoseInput) -> std::result::Result<Done, Mistake> {
-        let moved = self.posed(pose).and_then(|posed| self.moved(pose, &posed, |posed| self.bound.transfer(posed)));
-        self.done(i, pose, moved)
+        if let Some(moved) = self.shelf.and_then(|shelf| shelf.get(i)) {
+            return self.done(i, pose, Ok(moved), true);
+        }
+        let Some(bound) = self.bound else {
+            let message = format!("pose {}: its kept result was removed while this run was to use it", pose.name);
+            return Err(Mistake::new(Status::Internal, message).hint("run again, or with `--no-cache`"));
+        };
+        let moved = self.posed(pose).and_then(|posed| self.moved(i, pose, &posed, |posed| bound.transfer(posed)));
+        self.done(i, pose, moved, false)
     }
 
     /// Frames of one motion: read and written side by side, but transferred one after the other.
@@ -138,10 +177,10 @@ impl Bench<'_> {
     ) -> Vec<std::result::Result<Done, Mistake>> {
         let read: Vec<_> = chunk.par_iter().map(|(_, pose)| self.posed(pose)).collect();
         let frame = |(&(i, pose), posed): (&(usize, &PoseInput), std::result::Result<Vec<_>, Mistake>)| {
-            self.moved(pose, &posed?, |posed| motion.frame(i, posed))
+            self.moved(i, pose, &posed?, |posed| motion.frame(i, posed))
         };
         let moved: Vec<_> = chunk.iter().zip(read).map(frame).collect();
-        chunk.par_iter().zip(moved).map(|((i, pose), moved)| self.done(*i, pose, moved)).collect()
+        chunk.par_iter().zip(moved).map(|((i, pose), moved)| self.done(*i, pose, moved, false)).collect()
     }
 
     fn posed(&self, pose: &PoseInput) -> std::result::Result<Vec<Point3<f64>>, Mistake> {
@@ -152,12 +191,18 @@ impl Bench<'_> {
 
     fn moved(
         &self,
+        i: usize,
         pose: &PoseInput,
         posed: &[Point3<f64>],
         transfer: impl FnOnce(&[Point3<f64>]) -> Result<Transferred>,
     ) -> std::result::Result<Moved, Mistake> {
         let doing = || Some(format!("transfer ({})", self.transfer));
-        self.transfer(posed, transfer).map_err(|error| of_pose(&pose.name, None, doing(), error))
+        let moved = self.transfer(posed, transfer).map_err(|error| of_pose(&pose.name, None, doing(), error))?;
+        // At once, so that a run that is killed after this need not do it again.
+        if let Some(shelf) = &self.shelf {
+            shelf.put(i, &moved);
+        }
+        Ok(moved)
     }
 
     /// Scores and writes pose `i`.
@@ -166,9 +211,10 @@ impl Bench<'_> {
         i: usize,
         pose: &PoseInput,
         moved: std::result::Result<Moved, Mistake>,
+        reused: bool,
     ) -> std::result::Result<Done, Mistake> {
         let done = moved.and_then(|(positions, figures)| {
-            let mut report = PoseReport { name: pose.name.clone(), figures, ..PoseReport::default() };
+            let mut report = PoseReport { name: pose.name.clone(), reused, figures, ..PoseReport::default() };
             if let Err(error) = self.score(i, &positions, &mut report) {
                 // The result is good all the same.
                 report.figures.warn(format!("not scored: {error}"));
@@ -241,12 +287,15 @@ impl Bench<'_> {
 ///
 /// None but of the program itself.
 pub fn some(prepared: &Prepared, count: usize) -> Result<Vec<Vec<Point3<f64>>>> {
-    let all = prepared.poses.len();
-    let chosen: Vec<usize> =
-        if count >= all { (0..all).collect() } else { (0..count).map(|k| k * all / count).collect() };
+    let chosen = spread(prepared.poses.len(), count);
     let one = |&i: &usize| read(&prepared.source, &prepared.formats, &prepared.poses[i].from).ok();
     let read: Vec<_> = chosen.par_iter().filter_map(one).collect();
     read.iter().map(|positions| prepared.source.surface.from_mesh(positions)).collect()
+}
+
+/// At most `count` numbers spread over 0 to `all` - 1.
+pub fn spread(all: usize, count: usize) -> Vec<usize> {
+    if count >= all { (0..all).collect() } else { (0..count).map(|k| k * all / count).collect() }
 }
 
 /// The vertices of the source in one pose.

@@ -101,8 +101,18 @@ pub struct StageReport {
     /// CPU time of all threads.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cpu_seconds: Option<f64>,
+    /// Whether its result was kept from an earlier run.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub reused: bool,
     /// What it says of its work.
     pub figures: Figures,
+}
+
+impl StageReport {
+    /// That of a stage whose result was kept.
+    pub fn reused(self) -> Self {
+        Self { reused: true, ..self }
+    }
 }
 
 /// Measures a stage.
@@ -121,7 +131,8 @@ impl Clock {
     /// What a stage took since the start.
     pub fn stop(self, stage: &'static str, name: &str, figures: Figures) -> StageReport {
         let cpu_seconds = process::usage().cpu_seconds.zip(self.cpu_seconds).map(|(now, then)| now - then);
-        StageReport { stage, name: name.into(), seconds: self.begin.elapsed().as_secs_f64(), cpu_seconds, figures }
+        let seconds = self.begin.elapsed().as_secs_f64();
+        StageReport { stage, name: name.into(), seconds, cpu_seconds, reused: false, figures }
     }
 }
 
@@ -133,6 +144,9 @@ pub struct PoseReport {
     /// Why it failed, if it did.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub error: Option<Value>,
+    /// Whether it was kept from an earlier run.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub reused: bool,
     /// What the transfer says of it.
     pub figures: Figures,
     /// For each metric its figures, where the truth is known.

@@ -2,12 +2,14 @@
 
 use std::path::Path;
 
+use rayon::prelude::*;
 use serde_json::{Value, json};
 
 use super::{
+    cache::{Cache, Keep, OfTransfer, Recipe, Record},
     check::Prepared,
     hash::hash_file,
-    poses::{self, Bench, Stream},
+    poses::{self, Bench, Shelf, Stream},
     process,
     report::{Clock, InputFile, MeshFigures, Report, StageReport, over_poses},
     staging,
@@ -16,7 +18,7 @@ use super::{
 use crate::{
     core::{
         Error, Figures,
-        stage::{Pair, TriangleMap},
+        stage::{Pair, ProximityGraph, TriangleMap},
     },
     mistake::{Failure, Mistake, Place, Result},
     status::Status,
@@ -38,25 +40,36 @@ impl Outcome {
     }
 }
 
-/// Runs `prepared` on `threads` threads (0: as many as the machine has); `set` is what the command line set.
+/// Runs `prepared` on `threads` threads (0: as many as the machine has); `set` is what the command line set, and `cache` keeps
+/// results from run to run.
 ///
-/// The results are the same for any number of threads.
+/// The results are the same for any number of threads, and with or without a cache.
 ///
 /// # Errors
 ///
 /// What a stage or a file failed with; then nothing is written. A pose that fails on its own is told in the outcome
 /// instead, unless all of them fail.
-pub fn run(prepared: &Prepared, set: &[String], threads: usize, watch: &dyn Watch) -> Result<Outcome> {
+pub fn run(
+    prepared: &Prepared,
+    set: &[String],
+    threads: usize,
+    cache: Option<&Cache>,
+    watch: &dyn Watch,
+) -> Result<Outcome> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     let pool = pool.map_err(|error| Mistake::new(Status::Internal, format!("cannot start threads: {error}")))?;
-    pool.install(|| Run { prepared, watch, stages: vec![prepared.reading.clone()] }.run(set))
+    pool.install(|| Run { prepared, watch, stages: vec![prepared.reading.clone()], cache }.run(set))
 }
 
 struct Run<'a> {
     prepared: &'a Prepared,
     watch: &'a dyn Watch,
     stages: Vec<StageReport>,
+    cache: Option<&'a Cache>,
 }
+
+/// What a stage gives and says.
+type Told<T> = crate::core::Result<(T, Figures)>;
 
 impl Run<'_> {
     fn run(mut self, set: &[String]) -> Result<Outcome> {
@@ -64,15 +77,27 @@ impl Run<'_> {
         let Some(transfer) = &prepared.pipeline.transfer else {
             return Err(Mistake::new(Status::Internal, "a pipeline without stages was taken for checked").into());
         };
+        staging::remove_abandoned(&prepared.outputs.places());
         let (source, target) = (&prepared.source, &prepared.target);
+        let recipes = self.cache.map(|cache| cache.recipes(prepared));
+        let recipes = recipes.as_ref();
+        let kept = self.cache.zip(recipes).and_then(|(cache, recipes)| {
+            let kept: OfTransfer = cache.get("transfer", recipes.transfer.key)?;
+            let shelf = Shelf { cache, recipes, motion: kept.motion };
+            (0..prepared.poses.len()).into_par_iter().all(|i| shelf.get(i).is_some()).then_some((kept, shelf))
+        });
+        // Where every pose is kept, stages are only asked for what they said.
+        let needed = kept.is_none() || prepared.outputs.correspondence.is_some();
+
+        let of_proximity = recipes.and_then(|recipes| recipes.proximity.as_ref());
         let graph = match &prepared.pipeline.proximity {
             None => None,
-            Some(proximity) => Some(self.stage("proximity", proximity.typetag_name(), || {
+            Some(proximity) => self.kept_or("proximity", proximity.typetag_name(), of_proximity, needed, || {
                 let graph = proximity.proximity(&target.surface)?;
                 graph.check(&target.surface)?;
                 let figures = graph.figures.clone();
                 Ok((graph, figures))
-            })?),
+            })?,
         };
         let pair = Pair {
             source: &source.surface,
@@ -81,29 +106,49 @@ impl Run<'_> {
             proximity: graph.as_ref(),
         };
 
+        let of_map = recipes.and_then(|recipes| recipes.correspondence.as_ref());
         let map = match &prepared.pipeline.correspondence {
-            None => TriangleMap::unknown(pair),
-            Some(correspondence) => self.stage("correspondence", correspondence.typetag_name(), || {
-                let map = correspondence.correspond(pair)?;
-                map.check(pair)?;
-                let mut figures = map.figures.clone();
-                figures.set("orphans", map.orphan_count());
-                Ok((map, figures))
-            })?,
+            None => None,
+            Some(correspondence) => {
+                self.kept_or("correspondence", correspondence.typetag_name(), of_map, needed, || {
+                    let mut map = correspondence.correspond(pair)?;
+                    map.check(pair)?;
+                    map.figures.set("orphans", map.orphan_count());
+                    let figures = map.figures.clone();
+                    Ok((map, figures))
+                })?
+            }
         };
-        let learned = poses::some(prepared, transfer.poses_wanted())?;
-        let bound = self.stage("transfer", transfer.typetag_name(), || {
-            let bound = transfer.bind_to_poses(pair, &map, &learned)?;
-            let figures = bound.figures();
-            Ok((bound, figures))
-        })?;
+        let map = map.unwrap_or_else(|| TriangleMap::unknown(pair));
+        let mut bound = None;
+        let shelf = if let Some((kept, shelf)) = kept {
+            let clock = Clock::start();
+            self.stages.push(clock.stop("transfer", transfer.typetag_name(), kept.figures).reused());
+            Some(shelf)
+        } else {
+            let learned = poses::some(prepared, transfer.poses_wanted())?;
+            let bound = bound.insert(self.stage("transfer", transfer.typetag_name(), || {
+                let bound = transfer.bind_to_poses(pair, &map, &learned)?;
+                let figures = bound.figures();
+                Ok((bound, figures))
+            })?);
+            self.cache.zip(recipes).map(|(cache, recipes)| {
+                let motion = bound.motion().is_some();
+                cache.put("transfer", recipes.transfer.key, &OfTransfer { figures: bound.figures(), motion });
+                Shelf { cache, recipes, motion }
+            })
+        };
+        if let (Some(cache), Some(recipes)) = (self.cache, recipes) {
+            Record::of(recipes).keep(&cache.store, prepared);
+        }
 
         let mut staged = Vec::new();
         if let Some(path) = &prepared.outputs.correspondence {
             staged.push(keep(path, &map)?);
         }
         self.watch.poses(prepared.poses.len());
-        let bench = Bench { prepared, transfer: transfer.typetag_name(), bound: bound.as_ref(), watch: self.watch };
+        let bound = bound.as_deref();
+        let bench = Bench { prepared, transfer: transfer.typetag_name(), bound, shelf, watch: self.watch };
         let clock = Clock::start();
         let Stream { poses, failed, files, warnings } = bench.stream()?;
         staged.extend(files);
@@ -117,6 +162,10 @@ impl Run<'_> {
         let inputs = inputs(prepared)?;
         let outputs = staging::commit(staged)?;
         self.stages.push(clock.stop("writing", "", Figures::default()));
+        if let Some(cache) = self.cache {
+            cache.store.clean_up();
+        }
+        let of_cache = self.cache.map(Cache::warnings).unwrap_or_default();
         let mut report = Report {
             mimesh: env!("CARGO_PKG_VERSION"),
             status: if failed.is_empty() { "done" } else { "partly" },
@@ -128,7 +177,7 @@ impl Run<'_> {
             source: MeshFigures::new(source),
             target: MeshFigures::new(target),
             markers: prepared.markers.len(),
-            warnings: prepared.warnings.iter().cloned().chain(warnings).collect(),
+            warnings: prepared.warnings.iter().cloned().chain(warnings).chain(of_cache).collect(),
             metrics: over_poses(&poses),
             seconds: self.stages.iter().map(|stage| stage.seconds).sum(),
             stages: self.stages,
@@ -141,13 +190,32 @@ impl Run<'_> {
         Ok(Outcome { report, failed })
     }
 
-    /// Runs a stage, notes its time and figures, and names it in its error.
-    fn stage<T>(
+    /// The result of a stage: the kept one, or that of `work`, which is then kept; `None` if it is neither kept nor `needed`.
+    fn kept_or<T: Keep + HasFigures>(
         &mut self,
         stage: &'static str,
         name: &str,
-        work: impl FnOnce() -> crate::core::Result<(T, Figures)>,
-    ) -> Result<T> {
+        recipe: Option<&Recipe>,
+        needed: bool,
+        work: impl FnOnce() -> Told<T>,
+    ) -> Result<Option<T>> {
+        let clock = Clock::start();
+        if let Some(kept) = self.cache.zip(recipe).and_then(|(cache, recipe)| cache.get::<T>(stage, recipe.key)) {
+            self.stages.push(clock.stop(stage, name, kept.figures().clone()).reused());
+            return Ok(Some(kept));
+        }
+        if !needed {
+            return Ok(None);
+        }
+        let result = self.stage(stage, name, work)?;
+        if let Some((cache, recipe)) = self.cache.zip(recipe) {
+            cache.put(stage, recipe.key, &result);
+        }
+        Ok(Some(result))
+    }
+
+    /// Runs a stage, notes its time and figures, and names it in its error.
+    fn stage<T>(&mut self, stage: &'static str, name: &str, work: impl FnOnce() -> Told<T>) -> Result<T> {
         self.watch.stage(&format!("{stage} ({name})"));
         let clock = Clock::start();
         match work() {
@@ -162,6 +230,23 @@ impl Run<'_> {
                 Err(Mistake { message, ..mistake }.doing(format!("{stage} ({name})")).into())
             }
         }
+    }
+}
+
+/// A result that says something of itself.
+trait HasFigures {
+    fn figures(&self) -> &Figures;
+}
+
+impl HasFigures for ProximityGraph {
+    fn figures(&self) -> &Figures {
+        &self.figures
+    }
+}
+
+impl HasFigures for TriangleMap {
+    fn figures(&self) -> &Figures {
+        &self.figures
     }
 }
 
@@ -192,7 +277,6 @@ fn settings(prepared: &Prepared) -> Value {
 
 /// Size and hash of every file that was read.
 fn inputs(prepared: &Prepared) -> Result<Vec<InputFile>> {
-    use rayon::prelude::*;
     let hashed = |input: &super::check::Input| {
         let bytes = std::fs::metadata(&input.path)?.len();
         let blake3 = hash_file(&input.path)?;

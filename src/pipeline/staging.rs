@@ -5,6 +5,7 @@
 
 use std::{
     collections::BTreeSet,
+    ffi::OsStr,
     fs::File,
     io::{self, BufWriter, Write},
     path::{Path, PathBuf},
@@ -72,6 +73,33 @@ pub fn commit(files: Vec<Staged>) -> Result<Vec<WrittenFile>> {
         written.push(WrittenFile { path: file.place.clone(), bytes: file.bytes });
     }
     Ok(written)
+}
+
+/// Removes what runs that were killed have left aside for `places`.
+///
+/// Only where the system tells which processes are alive (Linux): elsewhere such files stay.
+pub fn remove_abandoned(places: &[&Path]) {
+    let processes = Path::new("/proc");
+    if !processes.join(std::process::id().to_string()).is_dir() {
+        return;
+    }
+    let folder = |place: &&Path| place.parent().map(Path::to_owned).unwrap_or_default();
+    let folders: BTreeSet<PathBuf> = places.iter().map(folder).collect();
+    let names: BTreeSet<_> = places.iter().filter_map(|place| place.file_name()).collect();
+    for folder in folders {
+        let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { &folder };
+        for entry in std::fs::read_dir(folder).into_iter().flatten().filter_map(io::Result::ok) {
+            let name = entry.file_name();
+            let parts = name.to_str().and_then(|name| name.strip_prefix('.')?.strip_suffix(".part")?.rsplit_once('.'));
+            if let Some((place, process)) = parts
+                && names.contains(OsStr::new(place))
+                && process.parse::<u32>().is_ok()
+                && !processes.join(process).exists()
+            {
+                let _ = std::fs::remove_file(entry.path());
+            }
+        }
+    }
 }
 
 /// Removes every file written aside, and lets none be moved or made until the process ends with `status`.

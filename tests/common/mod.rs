@@ -15,6 +15,8 @@ use tempfile::TempDir;
 /// A folder with meshes and pipelines.
 pub struct Project {
     folder: TempDir,
+    /// Where results are kept, which is not to be the user's own.
+    cache: TempDir,
 }
 
 /// What a command said.
@@ -66,7 +68,8 @@ output: out/{pose}.obj
 impl Project {
     /// A source with the poses 1, 2 and 10, a target, and `p.yaml` with [`PIPELINE`].
     pub fn new() -> Self {
-        let project = Self { folder: tempfile::tempdir().expect("a temporary folder") };
+        let folder = || tempfile::tempdir().expect("a temporary folder");
+        let project = Self { folder: folder(), cache: folder() };
         project.write("rest.obj", &leaning(0.0));
         for pose in [10, 2, 1] {
             project.write(&format!("pose-{pose}.obj"), &leaning(0.1 * f64::from(pose)));
@@ -100,6 +103,11 @@ impl Project {
         self.folder.path().join(name)
     }
 
+    /// The folder where results are kept from run to run.
+    pub fn cache(&self) -> &Path {
+        self.cache.path()
+    }
+
     /// Whether there is a file.
     pub fn has(&self, name: &str) -> bool {
         self.path(name).exists()
@@ -117,7 +125,7 @@ impl Project {
     /// `mimesh` with these arguments, in the folder.
     pub fn command(&self, arguments: &[&str]) -> Command {
         let mut command = Command::new(assert_cmd::cargo::cargo_bin!("mimesh"));
-        command.current_dir(self.folder.path()).args(arguments);
+        command.current_dir(self.folder.path()).env("MIMESH_CACHE", self.cache()).args(arguments);
         command
     }
 

@@ -1,6 +1,7 @@
 use std::collections::HashMap;
 
 use petgraph::unionfind::UnionFind;
+use serde::{Deserialize, Serialize};
 
 /// Which triangles of a surface meet where.
 #[derive(Clone, Debug)]
@@ -51,7 +52,7 @@ fn as_run([a, b, c]: [u32; 3], ends: [u32; 2]) -> [u32; 2] {
 }
 
 /// The connected components of a surface: vertices joined by triangles.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Components {
     /// For each vertex its component, numbered by first vertex; `None` for vertices without a triangle.
     pub of_vertex: Vec<Option<u32>>,

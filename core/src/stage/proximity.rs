@@ -1,5 +1,7 @@
 use std::fmt::Debug;
 
+use serde::{Deserialize, Serialize};
+
 use crate::{
     Error, Figures, Result,
     mesh::{Components, Surface},
@@ -25,7 +27,7 @@ pub trait Proximity: Debug + Send + Sync {
 crate::stage_kind!(Proximity, "proximity");
 
 /// Components as nodes, and links between those that lie close together.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ProximityGraph {
     /// The components.
     pub components: Components,
@@ -36,7 +38,7 @@ pub struct ProximityGraph {
 }
 
 /// Two components that are to keep together.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Link {
     /// The two components, smaller number first.
     pub components: [u32; 2],

@@ -22,6 +22,17 @@ pub struct Outputs {
     pub report: PathBuf,
 }
 
+impl Outputs {
+    /// Every file that a run writes.
+    pub fn places(&self) -> Vec<&Path> {
+        let meshes = self.meshes.iter().flat_map(|output| match output {
+            Output::Poses(paths) => paths.as_slice(),
+            Output::Sequence(path) => std::slice::from_ref(path),
+        });
+        meshes.chain(&self.correspondence).chain([&self.report]).map(PathBuf::as_path).collect()
+    }
+}
+
 /// Results of one pattern.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Output {
