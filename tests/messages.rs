@@ -201,8 +201,8 @@ fn markers_of_a_mesh_that_has_changed_are_a_warning() {
         "check",
         0,
         "
-warning: m.yaml: the source (rest.obj) has changed since the markers were made; the numbers may not fit any more
-warning: m.yaml: made on a target of 9 vertices (target.obj), which now has 8; the numbers may not fit any more
+warning: m.yaml: the source (rest.obj) has changed since the markers were made; the numbers may not fit any more: `mimesh markers reattach` carries them over
+warning: m.yaml: made on a target of 9 vertices (target.obj), which now has 8; the numbers may not fit any more: `mimesh markers reattach` carries them over
 ",
     );
 }

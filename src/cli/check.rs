@@ -1,15 +1,20 @@
-use std::path::PathBuf;
+use std::{collections::HashSet, path::PathBuf};
 
 use serde_json::json;
 
-use super::{Ended, run::Overrides, terminal, text::count};
+use super::{
+    Ended,
+    run::Overrides,
+    terminal,
+    text::{count, pairs},
+};
 use crate::{
     mistake::Mistake,
     pipeline::{self, Prepared, check::PoseFrom},
     status::Status,
 };
 
-/// Finds the mistakes in a pipeline, all at once, without computing anything.
+/// Finds the mistakes in a pipeline and in all runs that it declares, all at once, without computing anything.
 ///
 /// Reads the rest meshes and markers; poses are read with `--poses`.
 #[derive(Debug, clap::Args)]
@@ -29,17 +34,25 @@ pub struct Check {
 impl Check {
     /// Runs the command.
     pub fn run(&self) -> Ended {
-        let checked = pipeline::prepare(&self.pipeline, &self.overrides.options()).and_then(|prepared| {
-            let mistakes = if self.poses { wrong_poses(&prepared) } else { vec![] };
-            if mistakes.is_empty() { Ok(prepared) } else { Err(crate::mistake::Failure { mistakes }) }
+        let checked = pipeline::prepare_all(&self.pipeline, &self.overrides.options()).and_then(|all| {
+            let mistakes = if self.poses { wrong_poses(&all) } else { vec![] };
+            if mistakes.is_empty() { Ok(all) } else { Err(crate::mistake::Failure { mistakes }) }
         });
         match checked {
-            Ok(prepared) if self.json => {
-                terminal::print_json(&json!({ "ok": true, "mistakes": [], "warnings": prepared.warnings }));
+            Ok(all) if self.json => {
+                let runs: Vec<_> = all.iter().map(|one| &one.variant.name).filter(|name| !name.is_empty()).collect();
+                let warnings = warnings(&all);
+                terminal::print_json(&json!({ "ok": true, "mistakes": [], "warnings": warnings, "runs": runs }));
             }
-            Ok(prepared) => {
-                prepared.warnings.iter().for_each(|warning| terminal::warn(warning));
-                terminal::print(&overview(&prepared));
+            Ok(all) => {
+                warnings(&all).iter().for_each(|warning| terminal::warn(warning));
+                match &all[..] {
+                    [one] => terminal::print(&format!("ok: {}\n", overview(one))),
+                    all => {
+                        let rows: Vec<_> = all.iter().map(|one| (one.variant.name.clone(), overview(one))).collect();
+                        terminal::print(&format!("ok: {}\n{}", count(all.len(), "run", "runs"), pairs(&rows)));
+                    }
+                }
             }
             Err(failure) if self.json => {
                 let mistakes: Vec<_> = failure.mistakes.iter().map(Mistake::to_json).collect();
@@ -52,12 +65,18 @@ impl Check {
     }
 }
 
+/// The warnings of all runs, each once.
+fn warnings(all: &[Prepared]) -> Vec<&String> {
+    let mut seen = HashSet::new();
+    all.iter().flat_map(|one| &one.warnings).filter(|warning| seen.insert(*warning)).collect()
+}
+
 fn overview(prepared: &Prepared) -> String {
     let mesh = |side: &pipeline::check::Side| count(side.sequence.rest.positions.len(), "vertex", "vertices");
     let files = prepared.outputs.meshes.iter().map(|output| output.files().len()).sum::<usize>();
     let stage = |name: Option<&'static str>| name.unwrap_or("none");
     format!(
-        "ok: source of {}, {}; target of {}; {}; {} then {}; {} to write\n",
+        "source of {}, {}; target of {}; {}; {} then {}; {} to write",
         mesh(&prepared.source),
         count(prepared.poses.len(), "pose", "poses"),
         mesh(&prepared.target),
@@ -68,14 +87,19 @@ fn overview(prepared: &Prepared) -> String {
     )
 }
 
-/// What is wrong with the files of poses.
-fn wrong_poses(prepared: &Prepared) -> Vec<Mistake> {
-    let rest = &prepared.source.sequence.rest;
-    let read = |pose: &pipeline::check::PoseInput| {
+/// What is wrong with the files of poses, each of which is read once.
+fn wrong_poses(all: &[Prepared]) -> Vec<Mistake> {
+    let mut seen = HashSet::new();
+    let read = |(prepared, pose): (&Prepared, &pipeline::check::PoseInput)| {
         let PoseFrom::File(file) = &pose.from else { return None };
+        // Files of one name may be poses of another source.
+        if !seen.insert((file.clone(), prepared.source.path.clone())) {
+            return None;
+        }
+        let rest = &prepared.source.sequence.rest;
         let format = prepared.formats.reader(file).ok()?;
         let checked = format.read_pose(file, rest).and_then(|positions| crate::core::mesh::check_finite(&positions));
         checked.err().map(|error| pipeline::check::in_file(file, error))
     };
-    prepared.poses.iter().filter_map(read).collect()
+    all.iter().flat_map(|one| one.poses.iter().map(move |pose| (one, pose))).filter_map(read).collect()
 }

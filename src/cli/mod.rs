@@ -7,6 +7,8 @@ mod components;
 mod inspect;
 mod keypoints;
 mod list;
+mod markers;
+mod new;
 mod plan;
 mod progress;
 mod run;
@@ -49,12 +51,14 @@ enum Command {
     Plan(plan::PlanRun),
     #[command(name = "keypoints")]
     KeyPoints(keypoints::KeyPoints),
+    Markers(markers::Markers),
     List(list::List),
     Show(show::Show),
     Schema(schema::SchemaOf),
     Inspect(inspect::Inspect),
     Score(score::Score),
     Cache(cache::ShowCache),
+    New(new::New),
     Completions(completions::Completions),
 }
 
@@ -75,12 +79,14 @@ pub fn main() -> ExitCode {
         Command::Check(command) => command.run(),
         Command::Plan(command) => command.run(),
         Command::KeyPoints(command) => command.run(),
+        Command::Markers(command) => command.run(),
         Command::List(command) => command.run(),
         Command::Show(command) => command.run(),
         Command::Schema(command) => command.run(),
         Command::Inspect(command) => command.run(),
         Command::Score(command) => command.run(),
         Command::Cache(command) => command.run(),
+        Command::New(command) => command.run(),
         Command::Completions(command) => command.run(Cli::command()),
     };
     match result {

@@ -1,5 +1,7 @@
 use std::path::PathBuf;
 
+use serde_json::json;
+
 use super::{Ended, cache::CacheOptions, run::Overrides, terminal, text::pairs};
 use crate::{
     pipeline::{
@@ -33,13 +35,20 @@ pub struct PlanRun {
 impl PlanRun {
     /// Runs the command.
     pub fn run(&self) -> Ended {
-        let prepared = pipeline::prepare(&self.pipeline, &self.overrides.options())?;
+        let all = pipeline::prepare_all(&self.pipeline, &self.overrides.options())?;
         let cache = self.cache.open()?;
-        let plan = pipeline::plan::plan(&prepared, cache.as_ref());
-        if self.json {
-            terminal::print_json(&plan);
-        } else {
-            terminal::print(&text(&plan));
+        let plans: Vec<_> = all.iter().map(|prepared| pipeline::plan::plan(prepared, cache.as_ref())).collect();
+        match (&plans[..], self.json) {
+            ([plan], true) => terminal::print_json(plan),
+            ([plan], false) => terminal::print(&text(plan)),
+            (_, true) => {
+                let named = all.iter().zip(&plans).map(|(prepared, plan)| json!({ "run": prepared.variant.name, "plan": plan }));
+                terminal::print_json(&named.collect::<Vec<_>>());
+            }
+            (_, false) => {
+                let named = all.iter().zip(&plans).map(|(of, plan)| format!("{}\n{}", of.variant.name, text(plan)));
+                terminal::print(&named.collect::<Vec<_>>().join("\n"));
+            }
         }
         Ok(Status::Done)
     }

@@ -1,7 +1,5 @@
-use schemars::generate::SchemaSettings;
-
 use super::{Ended, terminal};
-use crate::{pipeline::Pipeline, status::Status};
+use crate::{pipeline::compose, status::Status};
 
 /// Prints the JSON Schema of a pipeline, with which editors complete and check YAML.
 #[derive(Debug, clap::Args)]
@@ -14,8 +12,7 @@ pub struct SchemaOf {}
 impl SchemaOf {
     /// Runs the command.
     pub fn run(&self) -> Ended {
-        let schema = SchemaSettings::draft2020_12().into_generator().into_root_schema_for::<Pipeline>();
-        terminal::print_json(&schema);
+        terminal::print_json(&compose::schema());
         Ok(Status::Done)
     }
 }

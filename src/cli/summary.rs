@@ -7,7 +7,10 @@ use serde_json::{Map, Value};
 use super::text::{bytes, count, number, pairs, seconds, table};
 use crate::{
     core::Figures,
-    pipeline::report::{MeshFigures, PoseReport, Report},
+    pipeline::{
+        compose::{Ended, Results},
+        report::{MeshFigures, PoseReport, Report},
+    },
 };
 
 /// More rows than this are shortened in tables; `run.json` has them all.
@@ -32,8 +35,7 @@ pub fn of(report: &Report, path: &Path) -> String {
             }
             _ => String::new(),
         };
-        let kept = report.poses.iter().filter(|pose| pose.reused).count();
-        let kept = match kept {
+        let kept = match report.poses.iter().filter(|pose| pose.reused).count() {
             count if stage.stage == "poses" && count > 0 => format!(", {count} of {} kept", report.poses.len()),
             _ => String::new(),
         };
@@ -72,6 +74,26 @@ pub fn of(report: &Report, path: &Path) -> String {
         report.process.peak_memory_bytes.map(|peak| format!(", at most {} of memory", bytes(peak))).unwrap_or_default();
     let threads = count(report.threads, "thread", "threads");
     let _ = writeln!(text, "\n{} in {} on {threads}{cpu}{memory}", done(report), seconds(report.seconds));
+    text
+}
+
+/// The table of the runs of one file.
+pub fn of_all(results: &Results) -> String {
+    let mut text = table(&results.table());
+    let measured = results.rows.iter().any(|row| matches!(&row.ended, Ended::Report(report) if !report.metrics.is_empty()));
+    if measured {
+        text += "  metrics are averages over poses, in their own units (`mimesh show metric TYPE`)\n";
+    }
+    let ended = |status: &str| results.rows.iter().filter(|row| row.status() == status).count();
+    let (done, all) = (ended("done"), results.rows.len());
+    let time = seconds(results.rows.iter().map(|row| row.seconds).sum());
+    if done == all {
+        let _ = writeln!(text, "\n{} done in {time}", count(all, "run", "runs"));
+    } else {
+        let rest = [("partly done", ended("partly")), ("failed", ended("failed"))];
+        let rest: Vec<_> = rest.iter().filter(|(_, n)| *n > 0).map(|(what, n)| format!("{n} {what}")).collect();
+        let _ = writeln!(text, "\n{done} of {} done, {}, in {time}", count(all, "run", "runs"), rest.join(", "));
+    }
     text
 }
 

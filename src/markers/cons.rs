@@ -2,7 +2,10 @@
 
 use std::path::Path;
 
-use super::{Entry, MarkerFile};
+use super::{
+    Entry, MarkerFile,
+    text::{shorten, without_mark},
+};
 use crate::{
     core::mesh::SurfacePoint,
     mistake::{Failure, Mistake, Place, Result},
@@ -17,34 +20,35 @@ use crate::{
 pub fn parse(file: &Path, text: &str) -> Result<MarkerFile> {
     let mut mistakes = Vec::new();
     let place = |line: usize| Place::Line { file: file.into(), line };
-    let mut lines = text.lines().enumerate().map(|(i, line)| (i + 1, line.trim())).filter(|(_, line)| !line.is_empty());
+    let mut lines = without_mark(text)
+        .lines()
+        .enumerate()
+        .map(|(i, line)| (i + 1, line.trim()))
+        .filter(|(_, line)| !line.is_empty());
     let (first, head) = lines.next().unwrap_or((1, ""));
     let count = head.parse::<usize>().ok();
     if count.is_none() {
         let found = if head.is_empty() { "nothing".into() } else { format!("`{}`", shorten(head)) };
         let message = format!("expected the number of pairs, found {found}");
-        mistakes.push(
-            Mistake::new(Status::BadData, message)
-                .at(place(first))
-                .hint("the first line of a .cons is the number of pairs that follow"),
-        );
+        let hint = match pair(head) {
+            Ok(_) => format!("the count is missing: put a line `{}` before this one", 1 + lines.clone().count()),
+            Err(_) => "the first line of a .cons is the number of pairs that follow".into(),
+        };
+        mistakes.push(Mistake::new(Status::BadData, message).at(place(first)).hint(hint));
     }
     let mut entries = Vec::new();
     let mut pairs = 0;
     for (line, text) in lines {
         pairs += 1;
         match pair(text) {
-            Some([source, target]) => entries.push(Entry {
-                name: None,
-                source: SurfacePoint::Vertex(source),
-                target: Some(SurfacePoint::Vertex(target)),
-                note: None,
-                place: Some(place(line)),
-            }),
-            None => mistakes.push(
+            Ok([source, target]) => {
+                let vertex = SurfacePoint::Vertex;
+                entries.push(Entry { place: Some(place(line)), ..Entry::new(vertex(source), vertex(target)) });
+            }
+            Err(hint) => mistakes.push(
                 Mistake::new(Status::BadData, format!("expected `source, target`, found `{}`", shorten(text)))
                     .at(place(line))
-                    .hint("each line pairs a vertex of the source with one of the target, counted from 0, e.g. `750, 3386`"),
+                    .hint(hint),
             ),
         }
     }
@@ -56,17 +60,47 @@ pub fn parse(file: &Path, text: &str) -> Result<MarkerFile> {
     if mistakes.is_empty() { Ok(MarkerFile { entries, ..MarkerFile::default() }) } else { Err(Failure { mistakes }) }
 }
 
-fn pair(text: &str) -> Option<[u32; 2]> {
-    let mut words = text.split(|c: char| c == ',' || c.is_whitespace()).filter(|word| !word.is_empty());
-    let pair = [words.next()?.parse().ok()?, words.next()?.parse().ok()?];
-    words.next().is_none().then_some(pair)
+/// The text of a file with `pairs` of vertices, which [`parse`] reads back.
+pub fn write(pairs: impl ExactSizeIterator<Item = (u32, u32)>) -> String {
+    let count = pairs.len();
+    let lines: String = pairs.map(|(source, target)| format!("{source}, {target}\n")).collect();
+    format!("{count}\n{lines}")
 }
 
-fn shorten(text: &str) -> String {
-    match text.char_indices().nth(40) {
-        Some((end, _)) => format!("{}…", &text[..end]),
-        None => text.into(),
+/// The two numbers of a line, or the way out.
+fn pair(text: &str) -> std::result::Result<[u32; 2], String> {
+    let words: Vec<&str> =
+        text.split(|c: char| c == ',' || c.is_whitespace()).filter(|word| !word.is_empty()).collect();
+    let commas = text.matches(',').count();
+    if let ([source, target], true) = (&words[..], commas < 2)
+        && let (Ok(source), Ok(target)) = (source.parse(), target.parse())
+        && !text.ends_with(',')
+        && !text.starts_with(',')
+    {
+        return Ok([source, target]);
     }
+    let numbers: Vec<&str> = text.split(|c: char| !c.is_ascii_digit()).filter(|word| !word.is_empty()).collect();
+    let whole = numbers.len() == 2 && !text.contains(['.', '-']);
+    Err(match () {
+        () if text.starts_with(['#', '%']) || text.starts_with("//") => {
+            "a .cons has no room for remarks: remove the line, or use a .yaml, which has notes".into()
+        }
+        () if whole && text.ends_with([',', ';']) => {
+            format!("remove the `{}` at the end of the line", &text[text.len() - 1..])
+        }
+        () if whole && (commas > 1 || text.contains([';', ':', '/', '|', '=', '>', '(', '[', '{'])) => {
+            format!("put nothing but a comma between the two numbers: `{}, {}`", numbers[0], numbers[1])
+        }
+        () if words.iter().all(|word| word.parse::<f64>().is_ok_and(|x| x.fract() == 0.0 && x >= 0.0))
+            && words.len() == 2 =>
+        {
+            "vertices are whole numbers: write them without decimals".into()
+        }
+        () if words.len() == 6 && words.iter().all(|word| word.parse::<f64>().is_ok()) => {
+            "positions go into a file a side, e.g. a .csv with `name, x, y, z`".into()
+        }
+        () => "each line pairs a vertex of the source with one of the target, counted from 0, e.g. `750, 3386`".into(),
+    })
 }
 
 #[cfg(test)]
@@ -104,6 +138,24 @@ mod tests {
     }
 
     #[test]
+    fn usual_slips_have_their_own_way_out() {
+        let hint = |text: &str| read(text).unwrap_err().mistakes[0].hint.clone().unwrap();
+        assert_eq!(hint("1, 2\n3, 4\n"), "the count is missing: put a line `2` before this one");
+        assert_eq!(hint("1\n1, 2,\n"), "remove the `,` at the end of the line");
+        for text in ["1\n1;2", "1\n1:2", "1\n(1, 2)", "1\n1,,2", "1\n1 => 2"] {
+            assert_eq!(hint(text), "put nothing but a comma between the two numbers: `1, 2`", "{text}");
+        }
+        assert_eq!(hint("1\n1.0, 2.0"), "vertices are whole numbers: write them without decimals");
+        assert!(hint("1\n# ears\n1, 2").contains("no room for remarks"));
+        assert!(hint("1\n0.1 0.2 0.3 1 2 3").contains(".csv"));
+    }
+
+    #[test]
+    fn marks_and_line_ends_of_other_systems_are_passed_over() {
+        assert_eq!(read("\u{feff}1\r\n1, 2\r\n").unwrap().entries.len(), 1);
+    }
+
+    #[test]
     fn an_empty_file_is_told() {
         let text = read(" \n\n").unwrap_err().to_string();
         assert!(text.starts_with("error: m.cons:1: expected the number of pairs, found nothing\n"), "{text}");
@@ -123,8 +175,7 @@ mod tests {
 
         #[test]
         fn pairs_come_back_as_written(pairs in prop::collection::vec(any::<(u32, u32)>(), 0..20)) {
-            let lines: String = pairs.iter().map(|(s, t)| format!("{s}, {t}\n")).collect();
-            let file = read(&format!("{}\n{lines}", pairs.len())).unwrap();
+            let file = read(&write(pairs.iter().copied())).unwrap();
             let back: Vec<_> = file.entries.iter().map(|e| (e.source, e.target)).collect();
             let expected: Vec<_> = pairs.iter().map(|&(s, t)| (SurfacePoint::Vertex(s), Some(SurfacePoint::Vertex(t)))).collect();
             prop_assert_eq!(back, expected);

@@ -5,11 +5,14 @@
 //! target: { mesh: camel.obj, vertices: 21887, blake3: "…" }
 //! markers:
 //!   - { name: left ear, source: 750, target: 3386, note: tip }
-//!   - { source: { triangle: 12, barycentric: [0.2, 0.3, 0.5] }, target: { vertex: 4 } }
+//!   - { source: { triangle: 12, barycentric: [0.2, 0.3, 0.5] }, target: { vertex: 4, at: [0.1, 2, 3] } }
 //! ```
+//!
+//! `at` is where the point was when it was made; with it, markers are found again after the mesh was edited.
 
 use std::{fmt, fmt::Write, path::Path};
 
+use nalgebra::Point3;
 use serde::{
     Deserialize, Deserializer,
     de::{self, MapAccess, Visitor},
@@ -39,7 +42,8 @@ pub fn parse(file: &Path, text: &str) -> Result<MarkerFile> {
         mistakes.iter_mut().for_each(|mistake| mistake.status = Status::BadData);
         Failure { mistakes }
     };
-    let document = Document::parse(file, text).map_err(|failure| as_data(failure.mistakes))?;
+    let document =
+        Document::parse(file, super::text::without_mark(text)).map_err(|failure| as_data(failure.mistakes))?;
     let mut mistakes = Vec::new();
     check_keys(&document, &mut mistakes);
     let source = reference(&document, "source", &mut mistakes);
@@ -80,8 +84,11 @@ pub fn write(file: &MarkerFile) -> String {
     for entry in &file.entries {
         let fields = [
             entry.name.as_ref().map(|name| format!("name: {}", quote(name))),
-            Some(format!("source: {}", point_text(entry.source))),
-            Some(format!("target: {}", entry.target.map_or_else(|| "null".into(), point_text))),
+            Some(format!("source: {}", point_text(entry.source, entry.at[0]))),
+            Some(format!(
+                "target: {}",
+                entry.target.map_or_else(|| "null".into(), |target| point_text(target, entry.at[1]))
+            )),
             entry.note.as_ref().map(|note| format!("note: {}", quote(note))),
         ];
         let fields: Vec<_> = fields.into_iter().flatten().collect();
@@ -103,11 +110,14 @@ fn quote(text: &str) -> String {
     format!("\"{escaped}\"")
 }
 
-fn point_text(point: SurfacePoint) -> String {
-    match point {
-        SurfacePoint::Vertex(vertex) => vertex.to_string(),
-        SurfacePoint::Triangle(triangle, [a, b, c]) => {
-            format!("{{ triangle: {triangle}, barycentric: [{a:?}, {b:?}, {c:?}] }}")
+fn point_text(point: SurfacePoint, at: Option<Point3<f64>>) -> String {
+    let at = at.map(|p| format!(", at: [{:?}, {:?}, {:?}]", p.x, p.y, p.z));
+    match (point, at) {
+        (SurfacePoint::Vertex(vertex), None) => vertex.to_string(),
+        (SurfacePoint::Vertex(vertex), Some(at)) => format!("{{ vertex: {vertex}{at} }}"),
+        (SurfacePoint::Triangle(triangle, [a, b, c]), at) => {
+            let at = at.unwrap_or_default();
+            format!("{{ triangle: {triangle}, barycentric: [{a:?}, {b:?}, {c:?}]{at} }}")
         }
     }
 }
@@ -182,44 +192,47 @@ fn entry(document: &Document, i: usize, mistakes: &mut Vec<Mistake>) -> Option<E
         return None;
     };
     let place = Some(document.place(&path, At::Value));
-    Some(Entry { name: raw.name, source: source.0, target: raw.target.map(|point| point.0), note: raw.note, place })
+    let at = [source.1, raw.target.as_ref().and_then(|target| target.1)];
+    Some(Entry { name: raw.name, source: source.0, target: raw.target.map(|point| point.0), note: raw.note, at, place })
 }
 
-/// A vertex as a number or as `{ vertex: 4 }`, or `{ triangle: 12, barycentric: [0.2, 0.3, 0.5] }`.
-struct RawPoint(SurfacePoint);
+/// A vertex as a number or as `{ vertex: 4 }`, or `{ triangle: 12, barycentric: [0.2, 0.3, 0.5] }`; the maps also with
+/// `at: [x, y, z]`.
+struct RawPoint(SurfacePoint, Option<Point3<f64>>);
 
 impl<'de> Deserialize<'de> for RawPoint {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> std::result::Result<Self, D::Error> {
-        deserializer.deserialize_any(PointVisitor).map(Self)
+        deserializer.deserialize_any(PointVisitor)
     }
 }
 
 struct PointVisitor;
 
 impl<'de> Visitor<'de> for PointVisitor {
-    type Value = SurfacePoint;
+    type Value = RawPoint;
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str("a vertex (a whole number from 0) or `{ triangle: …, barycentric: [a, b, c] }`")
     }
 
-    fn visit_u64<E: de::Error>(self, vertex: u64) -> std::result::Result<SurfacePoint, E> {
+    fn visit_u64<E: de::Error>(self, vertex: u64) -> std::result::Result<RawPoint, E> {
         let wrong = || E::invalid_value(de::Unexpected::Unsigned(vertex), &self);
-        u32::try_from(vertex).map(SurfacePoint::Vertex).map_err(|_| wrong())
+        u32::try_from(vertex).map(|v| RawPoint(SurfacePoint::Vertex(v), None)).map_err(|_| wrong())
     }
 
-    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> std::result::Result<SurfacePoint, A::Error> {
-        const KEYS: &[&str] = &["vertex", "triangle", "barycentric"];
-        let (mut vertex, mut triangle, mut barycentric) = (None, None, None);
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> std::result::Result<RawPoint, A::Error> {
+        const KEYS: &[&str] = &["vertex", "triangle", "barycentric", "at"];
+        let (mut vertex, mut triangle, mut barycentric, mut at) = (None, None, None, None);
         while let Some(key) = map.next_key::<String>()? {
             match key.as_str() {
                 "vertex" => vertex = Some(map.next_value::<u32>()?),
                 "triangle" => triangle = Some(map.next_value::<u32>()?),
                 "barycentric" => barycentric = Some(map.next_value::<Vec<f64>>()?),
+                "at" => at = Some(check_at(&map.next_value::<Vec<f64>>()?).map_err(de::Error::custom)?),
                 other => return Err(de::Error::unknown_field(other, KEYS)),
             }
         }
-        match (vertex, triangle, barycentric) {
+        let point = match (vertex, triangle, barycentric) {
             (Some(vertex), None, None) => Ok(SurfacePoint::Vertex(vertex)),
             (None, Some(triangle), Some(barycentric)) => {
                 Ok(SurfacePoint::Triangle(triangle, check_barycentric(&barycentric).map_err(de::Error::custom)?))
@@ -228,11 +241,20 @@ impl<'de> Visitor<'de> for PointVisitor {
             (None, None, Some(_)) => Err(de::Error::missing_field("triangle")),
             (None, None, None) => Err(de::Error::missing_field("vertex")),
             _ => Err(de::Error::custom("expected either a vertex or a triangle, found both")),
-        }
+        };
+        Ok(RawPoint(point?, at))
     }
 }
 
-fn check_barycentric(values: &[f64]) -> std::result::Result<[f64; 3], String> {
+fn check_at(values: &[f64]) -> std::result::Result<Point3<f64>, String> {
+    match <[f64; 3]>::try_from(values) {
+        Ok(values) if values.iter().all(|value| value.is_finite()) => Ok(Point3::from(values)),
+        Ok(_) => Err("expected finite coordinates".into()),
+        Err(_) => Err(format!("expected three coordinates, found {}", values.len())),
+    }
+}
+
+pub(super) fn check_barycentric(values: &[f64]) -> std::result::Result<[f64; 3], String> {
     let Ok(values) = <[f64; 3]>::try_from(values) else {
         return Err(format!("expected three barycentric coordinates, found {}", values.len()));
     };
@@ -318,11 +340,13 @@ mod tests {
     proptest! {
         #[test]
         fn what_is_written_is_read_back(
-            entries in prop::collection::vec((point(), prop::option::of(point()), prop::option::of(".{0,8}")), 0..6),
+            entries in prop::collection::vec((point(), prop::option::of(point()), prop::option::of(".{0,8}"), any::<bool>()), 0..6),
             mesh in prop::option::of(".{0,8}"), vertices in prop::option::of(0usize..1000),
         ) {
-            let entries = entries.into_iter().enumerate().map(|(i, (source, target, note))| {
-                Entry { name: (i % 2 == 0).then(|| format!("n{i}: #")), source, target, note, place: None }
+            let entries = entries.into_iter().enumerate().map(|(i, (source, target, note, kept))| {
+                let at = kept.then(|| Point3::new(i as f64, 0.1 * i as f64, -1e-7));
+                let at = [at, at.filter(|_| target.is_some())];
+                Entry { name: (i % 2 == 0).then(|| format!("n{i}: #")), source, target, note, at, place: None }
             });
             let source = Some(MeshReference { mesh, vertices, blake3: Some("0123".into()) });
             let file = MarkerFile { source, target: None, entries: entries.collect() };

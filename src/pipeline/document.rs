@@ -7,27 +7,26 @@
 use std::{
     fmt,
     path::{Path, PathBuf},
+    sync::Arc,
 };
 
-use saphyr::{LoadableYamlNode, MarkedYaml, Scalar, YamlData};
 use serde_json::{Map, Value};
 
+use super::places::{Node, Span, Spot, Text};
 use crate::{
     mistake::{Failure, Mistake, Place, read_text},
     status::Status,
 };
 
-/// A YAML file, parsed but not yet understood.
+/// A YAML file, parsed but not yet understood; once composed, with what it includes.
 #[derive(Clone, Debug)]
 pub struct Document {
     /// The file, as messages name it.
     pub file: PathBuf,
     /// Its contents; in every map `type` comes first.
     pub value: Value,
-    /// Values that options replaced: their paths and the options.
-    pub overrides: Vec<(Vec<Step>, String)>,
-    lines: Vec<String>,
-    root: Option<Node>,
+    /// Where they were written.
+    pub(super) root: Node,
 }
 
 /// One step of a path through a document.
@@ -48,21 +47,6 @@ pub enum At {
     Value,
 }
 
-/// Where a value stands, and its parts.
-#[derive(Clone, Debug)]
-struct Node {
-    span: Span,
-    parts: Vec<(Step, Span, Node)>,
-}
-
-/// Line from 1, column from 0 and length, in characters.
-#[derive(Clone, Copy, Debug)]
-struct Span {
-    line: usize,
-    column: usize,
-    length: usize,
-}
-
 impl Document {
     /// Reads a file.
     ///
@@ -79,34 +63,48 @@ impl Document {
     ///
     /// If it is no YAML.
     pub fn parse(file: &Path, text: &str) -> Result<Self, Failure> {
-        let lines: Vec<String> = text.lines().map(str::to_owned).collect();
+        let whole = Text::new(file, text);
         let text = &guarded(text);
-        let value = yaml_value(text).map_err(|error| not_yaml(file, &lines, error))?;
-        let root = MarkedYaml::load_from_str(text).ok().and_then(|documents| documents.first().map(Node::new));
-        Ok(Self { file: file.into(), value: type_first(value), overrides: vec![], lines, root })
+        let value = yaml_value(text).map_err(|error| not_yaml(&whole, error))?;
+        Ok(Self { file: file.into(), value: type_first(value), root: Node::of_yaml(&whole, text) })
     }
 
-    /// The text at `path`, or at the nearest part of the path that is in the file: a merged or included value has no
-    /// place of its own. A value from an option, and one that an option made what it is, is at that option.
+    /// The text at `path`, or at the nearest part of the path that is in the file: a merged value has no place of its own. A
+    /// value from an option, and one that an option made what it is, is at that option.
     pub fn place(&self, path: &[Step], at: At) -> Place {
-        let mut option = self.overrides.iter().rev().find(|(overridden, _)| path.starts_with(overridden));
-        let mut node = self.root.as_ref();
-        let mut span = node.map(|node| node.span);
+        self.spot(path, at).place()
+    }
+
+    /// The same, not yet put into words.
+    pub(super) fn spot(&self, path: &[Step], at: At) -> &Spot {
+        let (mut node, mut spot) = (&self.root, &self.root.spot);
         for (i, step) in path.iter().enumerate() {
-            let part = node.and_then(|node| node.parts.iter().find(|(part, ..)| part == step));
-            let Some((_, key, value)) = part else {
-                let within = |overridden: &[Step]| overridden.starts_with(&path[..=i]);
-                option = option.or_else(|| self.overrides.iter().rev().find(|(overridden, _)| within(overridden)));
-                break;
-            };
-            span = Some(if i + 1 == path.len() && at == At::Key { *key } else { value.span });
-            node = Some(value);
+            let Some(part) = node.part(step) else { break };
+            spot = if i + 1 == path.len() && at == At::Key { &part.key } else { &part.node.spot };
+            node = &part.node;
         }
-        match (option, span) {
-            (Some((_, option)), _) => Place::Option(option.clone()),
-            (None, Some(span)) => span_place(&self.file, &self.lines, span),
-            (None, None) => Place::File(self.file.clone()),
+        spot
+    }
+
+    /// The folder that a relative path at `path` begins at: that of the file in which its beginning was written.
+    pub fn folder(&self, path: &[Step]) -> &Arc<Path> {
+        let mut node = &self.root;
+        for step in path {
+            let Some(part) = node.part(step) else { break };
+            node = &part.node;
         }
+        &node.folder
+    }
+
+    /// The value at `path`.
+    pub fn get(&self, path: &[Step]) -> Option<&Value> {
+        path.iter().try_fold(&self.value, |value, step| step.get(value))
+    }
+
+    /// Takes a key of the whole out, with its places.
+    pub(super) fn take(&mut self, key: &str) -> Option<(Value, super::places::Part)> {
+        let value = self.value.as_object_mut()?.shift_remove(key)?;
+        Some((value, self.root.take(&Step::Key(key.into()))))
     }
 
     /// A mistake at `path`.
@@ -116,16 +114,16 @@ impl Document {
 }
 
 /// The mistake of a text that is no YAML, in words of someone who writes it and with a way out that fits.
-fn not_yaml(file: &Path, lines: &[String], error: serde_saphyr::Error) -> Mistake {
+fn not_yaml(text: &Arc<Text>, error: serde_saphyr::Error) -> Mistake {
     let error = error.without_snippet();
     let mut told = error.to_string();
-    let mut place = Place::File(file.into());
+    let mut place = Place::File(text.file.clone());
     if let Some(at) = error.location().filter(|at| at.line() > 0) {
         let (line, column) = (at.line() as usize, at.column() as usize);
         if let Some(end) = told.find(&format!(" at line {line}, column {column}")) {
             told.truncate(end);
         }
-        place = span_place(file, lines, Span { line, column: column.max(1) - 1, length: 1 });
+        place = Spot::Text(text.clone(), Span { line, column: column.max(1) - 1, length: 1 }).place();
     }
     let (message, hint) = if let Some(rest) = told.strip_prefix("duplicate mapping key: ") {
         let key = rest.split(',').next().unwrap_or(rest);
@@ -155,22 +153,50 @@ pub fn yaml_value(text: &str) -> Result<Value, serde_saphyr::Error> {
     Ok(unguarded(serde_saphyr::from_str_with_options::<Value>(&guarded(text), options)?))
 }
 
-/// `{pose}` as it passes through YAML, in as many characters: a private character for each brace.
-const GUARDED_POSE: &str = "\u{e000}pose\u{e001}";
+/// What stands for the braces of `{pose}` while it passes through YAML: a private character for each, so that columns stay.
+const GUARDS: [char; 2] = ['\u{e000}', '\u{e001}'];
 
-/// `text` in which `{pose}` is no YAML map, so that it needs no quotes: `[out/{pose}.obj, out/all.glb]`.
+/// `text` in which `{pose}` and `${name}` are no YAML maps, so that they need no quotes: `[out/{pose}.obj, ${all}]`.
 fn guarded(text: &str) -> String {
-    text.replace("{pose}", GUARDED_POSE)
+    const PLACEHOLDERS: [&str; 4] = ["pose", "target", "matrix", "name"];
+    let mut result = String::with_capacity(text.len());
+    let mut rest = text;
+    while let Some(open) = rest.find('{') {
+        let (before, from) = rest.split_at(open);
+        result += before;
+        let inside = from[1..].split_once('}').map(|(inside, _)| inside);
+        let named = |c: char| c.is_alphanumeric() || "_-:.".contains(c);
+        let stands = |inside: &str| match before.ends_with('$') {
+            true => inside.chars().all(named),
+            false => PLACEHOLDERS.contains(&inside),
+        };
+        match inside.filter(|inside| stands(inside)) {
+            Some(inside) => {
+                result.push(GUARDS[0]);
+                result += inside;
+                result.push(GUARDS[1]);
+                rest = &from[inside.len() + 2..];
+            }
+            None => {
+                result.push('{');
+                rest = &from[1..];
+            }
+        }
+    }
+    result + rest
 }
 
-/// `value` with `{pose}` as it was written.
+/// `text` with its braces as they were written.
+pub(super) fn restored(text: &str) -> String {
+    text.replace(GUARDS[0], "{").replace(GUARDS[1], "}")
+}
+
 fn unguarded(value: Value) -> Value {
-    let restore = |text: String| text.replace(GUARDED_POSE, "{pose}");
     match value {
-        Value::String(text) => Value::String(restore(text)),
+        Value::String(text) => Value::String(restored(&text)),
         Value::Array(list) => Value::Array(list.into_iter().map(unguarded).collect()),
         Value::Object(map) => {
-            Value::Object(map.into_iter().map(|(key, value)| (restore(key), unguarded(value))).collect())
+            Value::Object(map.into_iter().map(|(key, value)| (restored(&key), unguarded(value))).collect())
         }
         other => other,
     }
@@ -226,48 +252,6 @@ pub fn type_first(value: Value) -> Value {
     }
 }
 
-impl Node {
-    fn new(yaml: &MarkedYaml<'_>) -> Self {
-        let span = Span::new(yaml);
-        let parts = match &yaml.data {
-            YamlData::Mapping(map) => map
-                .iter()
-                .filter_map(|(key, value)| {
-                    let YamlData::Value(Scalar::String(name)) = &key.data else { return None };
-                    Some((Step::Key(name.to_string()), Span::new(key), Self::new(value)))
-                })
-                .collect(),
-            YamlData::Sequence(list) => {
-                list.iter().enumerate().map(|(i, value)| (Step::Index(i), Span::new(value), Self::new(value))).collect()
-            }
-            YamlData::Tagged(_, inner) => Self::new(inner).parts,
-            _ => vec![],
-        };
-        Self { span, parts }
-    }
-}
-
-impl Span {
-    fn new(yaml: &MarkedYaml<'_>) -> Self {
-        let (start, end) = (yaml.span.start, yaml.span.end);
-        let length = if end.line() == start.line() { end.col().saturating_sub(start.col()) } else { usize::MAX };
-        Self { line: start.line(), column: start.col(), length: length.max(1) }
-    }
-}
-
-/// The place of a span; marks of a value that goes on in the next line end with the line.
-fn span_place(file: &Path, lines: &[String], span: Span) -> Place {
-    let text = lines.get(span.line.max(1) - 1).cloned().unwrap_or_default();
-    let rest = text.chars().skip(span.column).collect::<String>().trim_end().chars().count();
-    Place::Span {
-        file: file.into(),
-        line: span.line.max(1),
-        column: span.column + 1,
-        length: span.length.clamp(1, rest.max(1)),
-        text: text.into(),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -298,6 +282,15 @@ mod tests {
         assert_eq!(document.value["output"][0], "out/{pose}.obj");
         assert_eq!(document.value["truth"], "{pose}.ply");
         assert_eq!(place(text, &["output", "1"], At::Value), (1, 26, 7));
+    }
+
+    #[test]
+    fn variables_need_no_quotes_and_other_maps_stay_maps() {
+        let text = "a: [${x}/{target}.obj, { b: {pose: 1} }, ${env:HOME}]\nc: ${y}\n";
+        let document = Document::parse(Path::new("a.yaml"), text).unwrap();
+        let expected = r#"{"a":["${x}/{target}.obj",{"b":{"pose":1}},"${env:HOME}"],"c":"${y}"}"#;
+        assert_eq!(document.value.to_string(), expected);
+        assert_eq!(place(text, &["a", "1", "b"], At::Value), (1, 29, 8));
     }
 
     #[test]

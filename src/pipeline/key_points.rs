@@ -65,6 +65,7 @@ pub fn to_complete(prepared: &PreparedSource, points: &[SurfacePoint], before: &
                 source: on_mesh,
                 target: None,
                 note: Some(note(&source.sequence, &source.surface, point)),
+                at: [None; 2],
                 place: None,
             },
         });

@@ -2,10 +2,12 @@
 //!
 //! A file becomes a [`Document`] (values and their places), the document a typed [`Pipeline`] ([`parse`]), the pipeline
 //! with the files it names something [`Prepared`] ([`prepare`]), and that a [`Report`] ([`run()`]). Up to `prepare`
-//! mistakes are collected and told together; nothing is computed before there are none.
+//! mistakes are collected and told together; nothing is computed before there are none. A file that declares several runs
+//! becomes a document for each of them first ([`compose`]).
 
 pub mod cache;
 pub mod check;
+pub mod compose;
 pub mod document;
 mod formats;
 mod hash;
@@ -13,6 +15,7 @@ pub mod key_points;
 mod one_or_many;
 pub mod overrides;
 pub mod parse;
+mod places;
 pub mod plan;
 mod poses;
 pub mod process;
@@ -27,7 +30,8 @@ mod testing;
 mod watch;
 pub mod words;
 
-pub use check::{Options, Prepared, PreparedSource, prepare, prepare_source};
+pub use check::{Options, Prepared, PreparedSource, prepare, prepare_all, prepare_source};
+pub use compose::Variant;
 pub use document::{At, Document, Step};
 pub use formats::{Formats, Unknown, Writes};
 pub use hash::hash_file;

@@ -5,6 +5,7 @@ use serde_json::{Map, Value, json};
 use super::{
     Document, Step,
     document::{type_first, yaml_value},
+    places::{Node, Part, Spot},
 };
 use crate::{
     core::plugin,
@@ -33,42 +34,94 @@ fn apply_one(document: &mut Document, setting: &str) -> Result<(), Mistake> {
     let option = format!("--set {setting}");
     let wrong =
         |message: String, hint: &str| Mistake::new(Status::Usage, message).at(Place::Option(option.clone())).hint(hint);
+    let (path, value) = read(setting).map_err(|(message, hint)| wrong(message, hint))?;
+    let spot = Spot::Option(option.as_str().into());
+    let node = Node::leaf(spot.clone(), document.root.folder.clone());
+    put(document, &path, value, Part { step: Step::Index(0), key: spot, node }).map_err(|problem| {
+        let hint = problem.list.map(|list| format!("set the whole list: `--set '{list}=[…]'`")).unwrap_or_default();
+        wrong(problem.message, &hint)
+    })
+}
+
+/// The path and the value of a setting.
+///
+/// # Errors
+///
+/// What is wrong with it, and the way out.
+pub(super) fn read(setting: &str) -> Result<(Vec<Step>, Value), (String, &'static str)> {
     let Some((keys, text)) = setting.split_once('=') else {
-        return Err(wrong("expected `key=value`".into(), "e.g. `--set transfer.type=gradient`"));
+        return Err(("expected `key=value`".into(), "e.g. `--set transfer.type=gradient`"));
     };
-    let path: Vec<Step> = keys.trim().split('.').map(Step::parse).collect();
-    if path.iter().any(|step| *step == Step::Key(String::new())) {
-        return Err(wrong("empty key".into(), "keys are joined by single dots, e.g. `source.rest`"));
-    }
-    let value = yaml_value(text)
-        .map_err(|_| wrong("the value is not valid YAML".into(), "put texts with `:` or `#` in quotes"))?;
+    let path = split(keys).ok_or(("empty key".into(), "keys are joined by single dots, e.g. `source.rest`"))?;
+    let value =
+        yaml_value(text).map_err(|_| ("the value is not valid YAML".into(), "put texts with `:` or `#` in quotes"))?;
+    Ok((path, value))
+}
+
+/// The path that `keys` tell, joined by dots; none if one is empty. The keys of `matrix` are such paths themselves, so what
+/// follows it is one key.
+pub(super) fn split(keys: &str) -> Option<Vec<Step>> {
+    let keys = keys.trim();
+    let path: Vec<Step> = match keys.strip_prefix("matrix.") {
+        Some(key) => vec![Step::Key("matrix".into()), Step::Key(key.into())],
+        None => keys.split('.').map(Step::parse).collect(),
+    };
+    (!path.contains(&Step::Key(String::new()))).then_some(path)
+}
+
+/// Why nothing can be put there.
+pub(super) struct Problem {
+    /// What is wrong.
+    pub message: String,
+    /// The list that is to be given as a whole instead.
+    pub list: Option<String>,
+}
+
+/// Puts `value` at `path`; it was written at `from`, and so is what has to be made around it.
+///
+/// # Errors
+///
+/// If the path does not fit the document.
+pub(super) fn put(document: &mut Document, path: &[Step], value: Value, from: Part) -> Result<(), Problem> {
     let mut place = &mut document.value;
+    let mut node = &mut document.root;
+    let made = |step: &Step| Part {
+        step: step.clone(),
+        key: from.key.clone(),
+        node: Node::leaf(from.node.spot.clone(), from.node.folder.clone()),
+    };
     for (i, step) in path.iter().enumerate() {
         let so_far = || path[..i].iter().map(Step::to_string).collect::<Vec<_>>().join(".");
-        place = match (step, place) {
+        let problem = |message: String, list: Option<String>| Problem { message, list };
+        let absent = |value: &Value| match (step, value) {
+            (Step::Index(index), Value::Array(_)) => value[*index].is_null(),
+            (step, value) => value.get(step.to_string()).is_none_or(Value::is_null),
+        };
+        let made_here = absent(place) || i + 1 == path.len();
+        match (step, &mut *place) {
             (Step::Index(index), Value::Array(list)) => {
                 let count = list.len();
-                list.get_mut(*index).ok_or_else(|| {
+                if *index >= count {
                     let items = if count == 1 { "item" } else { "items" };
-                    wrong(format!("`{}` has {count} {items}, there is no item {index} (from 0)", so_far()), "")
-                })?
+                    let message = format!("`{}` has {count} {items}, there is no item {index} (from 0)", so_far());
+                    return Err(problem(message, None));
+                }
             }
             // A list that is not there begins with its first item.
-            (Step::Index(0), place @ Value::Null) if i > 0 => {
-                *place = Value::Array(vec![Value::Null]);
-                &mut place[0]
-            }
-            (Step::Index(index), _) if i > 0 => {
-                let hint = format!("set the whole list: `--set '{}=[…]'`", so_far());
-                return Err(wrong(format!("`{}` is no list, there is no item {index} (from 0)", so_far()), &hint));
+            (Step::Index(0), place @ Value::Null) if i > 0 => *place = Value::Array(vec![Value::Null]),
+            (Step::Index(index), value) if i > 0 && value.get(index.to_string()).is_none() => {
+                let message = format!("`{}` is no list, there is no item {index} (from 0)", so_far());
+                return Err(problem(message, Some(so_far())));
             }
             (_, Value::Array(_)) => {
-                return Err(wrong(format!("`{}` is a list, expected a number from 0, found `{step}`", so_far()), ""));
+                let message = format!("`{}` is a list, expected a number from 0, found `{step}`", so_far());
+                return Err(problem(message, None));
             }
             // What is no map is replaced by one, as if the file had said nothing.
             (step, other) => {
                 if !other.is_object() {
                     *other = Value::Object(Map::new());
+                    *node = made(step).node;
                 }
                 if i + 1 < path.len()
                     && other.get(step.to_string()).is_none_or(Value::is_null)
@@ -76,13 +129,21 @@ fn apply_one(document: &mut Document, setting: &str) -> Result<(), Mistake> {
                 {
                     other[step.to_string()] = json!({ "type": nested });
                 }
-                &mut other[step.to_string()]
             }
+        }
+        let step = if place.is_array() { step.clone() } else { Step::Key(step.to_string()) };
+        if made_here {
+            node.put(made(&step));
+        }
+        place = match &step {
+            Step::Index(index) => &mut place[*index],
+            Step::Key(key) => &mut place[key],
         };
+        node = &mut node.part_mut(&step).node;
     }
     *place = value;
+    *node = from.node;
     document.value = type_first(std::mem::take(&mut document.value));
-    document.overrides.push((path, option));
     Ok(())
 }
 

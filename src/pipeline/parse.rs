@@ -8,7 +8,9 @@ use serde_json::Value;
 use serde_path_to_error::Segment;
 
 use super::{
-    At, Document, Pipeline, Step, ranges,
+    At, Document, Pipeline, Step,
+    compose::KEYS,
+    ranges,
     words::{did_you_mean, nearest, tell},
 };
 use crate::{
@@ -111,12 +113,13 @@ impl Slots<'_> {
     fn unknown(&mut self) {
         for key in self.document.value.as_object().into_iter().flat_map(|map| map.keys()) {
             if !SLOTS.contains(&key.as_str()) {
-                self.meant.extend(nearest(key, &SLOTS));
-                let known = || format!("known keys: {}", SLOTS.join(", "));
+                let all: Vec<&str> = KEYS.into_iter().chain(SLOTS).collect();
+                self.meant.extend(SLOTS.into_iter().filter(|slot| nearest(key, &all) == Some(slot)));
+                let known = || format!("known keys: {}", all.join(", "));
                 self.mistakes.push(
                     self.document
                         .mistake(&[Step::Key(key.clone())], At::Key, format!("unknown key `{key}`"))
-                        .hint(did_you_mean(key, &SLOTS).unwrap_or_else(known)),
+                        .hint(did_you_mean(key, &all).unwrap_or_else(known)),
                 );
             }
         }

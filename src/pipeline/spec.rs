@@ -4,7 +4,10 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::OneOrMany;
-use crate::core::stage::{Correspondence, Format, KeyPoints, Metric, Proximity, Sample, Transfer};
+use crate::{
+    core::stage::{Correspondence, Format, KeyPoints, Metric, Proximity, Sample, Transfer},
+    markers::MarkerFiles,
+};
 
 /// A pipeline: a source with its poses, a target, and how the target takes the poses.
 ///
@@ -20,12 +23,16 @@ pub struct Pipeline {
     /// use it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub key_points: Option<Box<dyn KeyPoints>>,
-    /// File of corresponding points: `.cons` (a count, then `source, target` vertices from 0) or mimesh's own YAML.
+    /// Corresponding points: a file with both sides, `.cons` (a count, then `source, target` vertices from 0) or mimesh's
+    /// own `.yaml`; or a file of points for each mesh, `{ source: horse.pp, target: camel.pp }`.
+    ///
+    /// Files of points are MeshLab's `.pp`, Wrap's `.json` and `.txt`, and named points as `.csv` or `.json`; they are
+    /// paired by name, else by order. Points given by position go to the closest place of the surface.
     ///
     /// Left out, landmarks of equal names are the markers, where both meshes have landmarks (samples do).
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("examples" = ["horse_camel.cons"]))]
-    pub markers: Option<PathBuf>,
+    #[schemars(extend("examples" = ["horse_camel.cons", { "source": "horse.pp", "target": "camel.pp" }]))]
+    pub markers: Option<MarkerFiles>,
     /// How the components of the target lie to each other; needed by `transfer: { type: multi_component }`, and for
     /// components without markers to follow those that have them.
     #[serde(skip_serializing_if = "Option::is_none")]

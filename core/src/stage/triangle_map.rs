@@ -1,7 +1,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::Pair;
-use crate::{Error, Figures, Result, mesh::SurfacePoint};
+use crate::{Error, Figures, Result, mesh::SurfacePoint, spatial::Nearest};
 
 /// Where on the source each part of the target takes its motion from.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -66,8 +66,56 @@ impl TriangleMap {
         Ok(())
     }
 
+    /// A source point for every target vertex (#V of the target): the one it lies at; where that is not known, the same corner of
+    /// the source triangle that a triangle around it is paired with; where there is none, that of the nearest vertex with one.
+    ///
+    /// # Errors
+    ///
+    /// As [`check`](Self::check).
+    pub fn source_points(&self, pair: Pair<'_>) -> Result<Vec<SurfacePoint>> {
+        self.check(pair)?;
+        let target = pair.target;
+        let mut points = self.points.clone();
+        points.resize(target.vertex_count(), None);
+        for (corners, partner) in target.triangles.iter().zip(&self.partners) {
+            let Some(partner) = partner else { continue };
+            for (&v, &u) in corners.iter().zip(&pair.source.triangles[*partner as usize]) {
+                points[v as usize].get_or_insert(SurfacePoint::Vertex(u));
+            }
+        }
+        let known: Vec<(u32, SurfacePoint)> =
+            (0..).zip(&points).filter_map(|(v, point)| point.map(|point| (v, point))).collect();
+        let places: Vec<_> = known.iter().map(|(v, _)| target.positions[*v as usize]).collect();
+        let nearest = Nearest::new(&places)?;
+        let point = |(point, place): (&Option<SurfacePoint>, _)| {
+            point.unwrap_or_else(|| known[nearest.find(place).0 as usize].1)
+        };
+        Ok(points.iter().zip(&target.positions).map(point).collect())
+    }
+
     /// Number of target triangles without a partner.
     pub fn orphan_count(&self) -> usize {
         self.partners.iter().filter(|p| p.is_none()).count()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testkit::meshes;
+
+    #[test]
+    fn every_target_vertex_gets_a_source_point_where_one_triangle_has_a_partner() {
+        let surface = meshes::icosphere(1);
+        let pair = Pair { source: &surface, target: &surface, markers: &[], proximity: None };
+        let mut map = TriangleMap { partners: vec![None; 80], source_triangles: 80, ..TriangleMap::default() };
+        assert!(map.source_points(pair).is_err(), "no partner at all");
+        map.partners[3] = Some(3);
+        let points = map.source_points(pair).unwrap();
+        let corners = surface.triangles[3].map(SurfacePoint::Vertex);
+        assert!(points.iter().all(|point| corners.contains(point)), "all others take the nearest of three");
+        assert!(surface.triangles[3].iter().all(|&v| points[v as usize] == SurfacePoint::Vertex(v)));
+        map.points = (0..42).map(|v| Some(SurfacePoint::Vertex(41 - v))).collect();
+        assert_eq!(map.source_points(pair).unwrap()[5], SurfacePoint::Vertex(36), "a point that is known goes first");
     }
 }

@@ -5,7 +5,10 @@
 use nalgebra::Point3;
 use serde_json::Value;
 
-pub use super::{clusterer::clusterer, deformer::deformer, key_points::key_points, sampler::sampler, weights::weights};
+pub use super::{
+    clusterer::clusterer, deformer::deformer, format::format, key_points::key_points, metric::metric,
+    registered::keeps, sampler::sampler, weights::weights,
+};
 use super::{meshes, random::Random};
 use crate::{
     Plugin,
@@ -166,11 +169,15 @@ pub(super) fn one_thread<T: Send>(run: impl FnOnce() -> T + Send) -> T {
 }
 
 pub(super) fn near(name: &str, law: &str, found: &[Point3<f64>], expected: &[Point3<f64>]) {
+    near_within(name, law, found, expected, TOLERANCE);
+}
+
+pub(super) fn near_within(name: &str, law: &str, found: &[Point3<f64>], expected: &[Point3<f64>], tolerance: f64) {
     assert_eq!(found.len(), expected.len(), "{name}: {law}");
     let size = diagonal(expected);
     for (v, (p, q)) in found.iter().zip(expected).enumerate() {
         let error = (p - q).norm() / size;
-        assert!(error < TOLERANCE, "{name}: {law}: vertex {v} is {error:e} diagonals off");
+        assert!(error < tolerance, "{name}: {law}: vertex {v} is {error:e} diagonals off");
     }
 }
 

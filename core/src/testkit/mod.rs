@@ -3,8 +3,11 @@
 mod clusterer;
 pub mod contracts;
 mod deformer;
+mod format;
 mod key_points;
 pub mod meshes;
+mod metric;
 pub mod random;
+mod registered;
 mod sampler;
 mod weights;

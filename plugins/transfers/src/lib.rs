@@ -2,8 +2,11 @@
 
 mod alignment;
 pub mod biharmonic;
+pub mod blend;
+pub mod chain;
 pub mod copy_displacement;
 mod field;
+mod frames;
 pub mod gradient;
 mod loose;
 pub mod multi_component;

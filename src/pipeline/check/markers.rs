@@ -1,35 +1,118 @@
 use std::path::Path;
 
-use super::{Check, Side};
+use super::{Check, Options, Side};
 use crate::{
     core::stage::Marker,
-    markers::{self, MarkerFile},
-    pipeline::{document::path, resolve},
+    markers::{self, MarkerFile, MarkerFiles, given},
+    mistake::{Mistake, Result},
+    pipeline::{Formats, Step, compose, document::path, parse},
+    status::Status,
 };
+
+/// The part of a pipeline that markers lie on: its two meshes at rest, without mistakes.
+#[derive(Debug)]
+pub struct Meshes {
+    /// What gives its motion.
+    pub source: Side,
+    /// What takes it.
+    pub target: Side,
+    /// The pipeline's files of markers, as seen from the current folder.
+    pub markers: Option<MarkerFiles>,
+}
+
+/// Reads the meshes of the pipeline in `file`; of the rest nothing is looked at but the names of its markers.
+///
+/// # Errors
+///
+/// All mistakes in that part.
+pub fn meshes(file: &Path, options: &Options) -> Result<Meshes> {
+    let (document, included, _) = compose::compose_source(file, &options.settings)?;
+    let (mut pipeline, mistakes) = parse::parse(&document);
+    // A pipeline may still lack what only a run needs.
+    let missing = |mistake: &Mistake| {
+        let needed = ["source", "target"].map(|key| format!("missing key `{key}`"));
+        mistake.message.starts_with("missing key") && !needed.contains(&mistake.message)
+    };
+    let mut check = Check {
+        document: &document,
+        formats: Formats::new(std::mem::take(&mut pipeline.formats)),
+        inputs: super::files(file, &included),
+        mistakes: mistakes.into_iter().filter(|mistake| !missing(mistake)).collect(),
+        warnings: vec![],
+    };
+    let source = check.side("source", pipeline.source.rest.as_deref(), pipeline.source.sample.as_deref());
+    let target = check.target(&pipeline.target);
+    check.end(file)?;
+    let (Some(source), Some(target)) = (source, target) else {
+        return Err(Mistake::new(Status::Internal, "a mesh was refused without a reason").into());
+    };
+    let markers = pipeline.markers.map(|files| check.marker_files(&files));
+    Ok(Meshes { source, target, markers })
+}
+
+impl Side {
+    /// What markers see of it.
+    pub fn for_markers(&self, name: &'static str) -> markers::Side<'_> {
+        markers::Side { name, mesh: &self.sequence.rest, surface: &self.surface }
+    }
+}
 
 impl Check<'_> {
     /// The markers, as far as they can be had; none are none.
     pub(super) fn markers(
         &mut self,
-        file: Option<&Path>,
+        files: Option<&MarkerFiles>,
         source: Option<&Side>,
         target: Option<&Side>,
     ) -> Option<Vec<Marker>> {
-        let Some(file) = file else {
+        let Some(files) = files else {
             let (source, target) = (source?, target?);
             let landmarks = markers::from_landmarks(&source.sequence, &target.sequence);
             return self.resolve_markers(&landmarks, None, source, target);
         };
-        let file = resolve::from_base(&self.base, file);
-        if !self.input("markers", &file, &path(["markers"])) {
+        let files = self.marker_files(files);
+        let before = self.mistakes.len();
+        for (key, file) in files.named() {
+            let at: Vec<Step> = path(["markers"]).into_iter().chain(key.map(|key| Step::Key(key.into()))).collect();
+            let role = match key {
+                Some("source") => "source markers",
+                Some(_) => "target markers",
+                None => "markers",
+            };
+            self.input(role, file, &at);
+        }
+        if self.mistakes.len() > before {
             return None;
         }
-        match markers::read(&file) {
-            Ok(markers) => self.resolve_markers(&markers, Some(&file), source?, target?),
+        let given = match given::read(&files) {
+            Ok(given) => given,
+            Err(failure) => {
+                self.mistakes.extend(failure.mistakes);
+                return None;
+            }
+        };
+        let (source, target) = (source?, target?);
+        match given.on(source.for_markers("source"), target.for_markers("target"), false) {
+            Ok(found) => {
+                self.warnings.extend(found.doubts());
+                self.warnings.extend(found.warnings);
+                self.resolve_markers(&found.markers, files.one().map(|file| file.as_path()), source, target)
+            }
             Err(failure) => {
                 self.mistakes.extend(failure.mistakes);
                 None
             }
+        }
+    }
+
+    /// The files as seen from the current folder.
+    pub(super) fn marker_files(&self, files: &MarkerFiles) -> MarkerFiles {
+        match files {
+            MarkerFiles::One(file) => MarkerFiles::One(self.path(&path(["markers"]), file)),
+            MarkerFiles::Pair { source, target } => MarkerFiles::Pair {
+                source: self.path(&path(["markers", "source"]), source),
+                target: self.path(&path(["markers", "target"]), target),
+            },
         }
     }
 
@@ -41,10 +124,9 @@ impl Check<'_> {
         target: &Side,
     ) -> Option<Vec<Marker>> {
         let [source, target] = [("source", source), ("target", target)].map(|(name, side)| {
-            let of = markers::Side { name, mesh: &side.sequence.rest, surface: &side.surface };
+            let of = side.for_markers(name);
             if let Some(file) = file {
-                let reference = if name == "source" { &markers.source } else { &markers.target };
-                let hashed = reference.as_ref().is_some_and(|reference| reference.blake3.is_some());
+                let hashed = markers.reference(name).is_some_and(|reference| reference.blake3.is_some());
                 let hash = side.path.as_ref().filter(|_| hashed).and_then(|path| super::super::hash_file(path).ok());
                 self.warnings.extend(markers.stale(file, of, hash.as_deref()));
             }

@@ -90,7 +90,7 @@ impl Check<'_> {
         }
     }
 
-    fn side(&mut self, name: &'static str, rest: Option<&Path>, sample: Option<&dyn Sample>) -> Option<Side> {
+    pub(super) fn side(&mut self, name: &'static str, rest: Option<&Path>, sample: Option<&dyn Sample>) -> Option<Side> {
         let slot = path([name]);
         match (rest, sample) {
             (Some(_), Some(_)) => {
@@ -116,7 +116,7 @@ impl Check<'_> {
                     None
                 }
             },
-            (Some(rest), None) => self.read_side(name, &resolve::from_base(&self.base, rest)),
+            (Some(rest), None) => self.read_side(name, &self.path(&path([name, "rest"]), rest)),
         }
     }
 
@@ -149,7 +149,7 @@ impl Check<'_> {
     }
 
     fn pose_files(&mut self, patterns: &OneOrMany, rest: Option<&Path>) -> Vec<PoseInput> {
-        let rest = rest.map(|rest| resolve::identity(&resolve::from_base(&self.base, rest)));
+        let rest = rest.map(|rest| resolve::identity(&self.path(&path(["source", "rest"]), rest)));
         let mut poses: Vec<PoseInput> = Vec::new();
         let mut seen = std::collections::HashSet::new();
         if patterns.items.is_empty() {
@@ -163,7 +163,7 @@ impl Check<'_> {
             if patterns.listed {
                 at.push(Step::Index(i));
             }
-            let found = match resolve::expand(&self.base, pattern) {
+            let found = match resolve::expand(self.document.folder(&at), pattern) {
                 Ok(found) => found,
                 Err(problem) => {
                     self.wrong(&at, At::Value, format!("`{pattern}` is no glob: {problem}"), "e.g. `horse-??.obj`");
@@ -174,7 +174,7 @@ impl Check<'_> {
             let glob = resolve::is_glob(pattern);
             let matched = found.len();
             if glob && matched > 0 && found.iter().all(|found| is_rest(&found.path)) {
-                let hint = nearby(&resolve::from_base(&self.base, Path::new(pattern)));
+                let hint = nearby(&self.path(&at, Path::new(pattern)));
                 self.missing(&at, format!("`{pattern}` matches the rest mesh only, which is no pose"), hint);
                 continue;
             }
@@ -186,7 +186,7 @@ impl Check<'_> {
                 }
             }
             if matched == 0 {
-                let hint = nearby(&resolve::from_base(&self.base, Path::new(pattern)));
+                let hint = nearby(&self.path(&at, Path::new(pattern)));
                 self.missing(&at, format!("no file matches `{pattern}`"), hint);
             }
         }

@@ -3,12 +3,18 @@
 mod markers;
 mod meshes;
 mod outputs;
+mod shared;
 mod source_only;
 mod stages;
+mod told;
 mod truth;
 
-use std::path::{Path, PathBuf};
+use std::{
+    path::{Path, PathBuf},
+    sync::Arc,
+};
 
+pub use markers::{Meshes, meshes};
 pub use meshes::{PoseFrom, PoseInput, Side, in_file, nearby};
 pub use outputs::{Output, Outputs};
 pub use source_only::{PreparedSource, prepare_source};
@@ -16,8 +22,11 @@ pub use truth::Truth;
 
 use serde_json::Value;
 
+use self::{outputs::Out, shared::Shared, told::Told};
 use super::{
-    At, Document, Formats, Pipeline, Step, overrides, parse,
+    At, Document, Formats, Pipeline, Step, Variant,
+    compose::{self, OneRun},
+    parse,
     report::{Clock, StageReport},
 };
 use crate::{
@@ -43,14 +52,16 @@ pub struct Options {
 pub struct Prepared {
     /// The pipeline's file.
     pub file: PathBuf,
+    /// What tells it from the other runs of the file.
+    pub variant: Variant,
     /// The settings, with those of the command line; paths of stages are relative to the current folder.
     pub pipeline: Pipeline,
     /// The formats, with the pipeline's settings.
     pub formats: Formats,
-    /// What gives its motion.
-    pub source: Side,
-    /// What takes it.
-    pub target: Side,
+    /// What gives its motion; runs of one file share it.
+    pub source: Arc<Side>,
+    /// What takes it; combinations of one matrix share it.
+    pub target: Arc<Side>,
     /// The poses of the source, at least one.
     pub poses: Vec<PoseInput>,
     /// Pairs of points of the two surfaces.
@@ -78,47 +89,103 @@ pub struct Input {
     pub path: PathBuf,
 }
 
-/// Reads and checks the pipeline in `file`.
+/// Reads and checks the pipeline in `file`, which declares a single run.
 ///
 /// # Errors
 ///
-/// All mistakes that can be found without computing or reading poses.
+/// All mistakes that can be found without computing or reading poses, and that there are several runs.
 pub fn prepare(file: &Path, options: &Options) -> Result<Prepared> {
+    let mut all = prepare_all(file, options)?;
+    match (all.pop(), all.len()) {
+        (Some(one), 0) => Ok(one),
+        (_, others) => {
+            let message = format!("the pipeline declares {} runs, expected one", others + 1);
+            let hint = "name one target, and set `matrix` to nothing: `--set matrix=`";
+            Err(Mistake::new(Status::BadPipeline, message).at(Place::File(file.into())).hint(hint).into())
+        }
+    }
+}
+
+/// Reads and checks the pipeline in `file`, for every target and every combination of its matrix; at least one run.
+///
+/// # Errors
+///
+/// All mistakes of all runs that can be found without computing or reading poses, each once.
+pub fn prepare_all(file: &Path, options: &Options) -> Result<Vec<Prepared>> {
+    let mut clock = Clock::start();
+    let compose::Runs { runs, included, mistakes, left, warnings } = compose::compose(file, &options.settings)?;
+    let several = runs.len() > 1;
+    let mut told = Told::new(&runs, mistakes, left);
+    let mut shared = Shared::default();
+    let mut prepared = Vec::new();
+    for (i, run) in runs.into_iter().enumerate() {
+        match one(file, &included, run, options, several, &mut shared) {
+            Ok(one) => prepared.push(Prepared { reading: clock.stop("reading", "", Figures::default()), ..one }),
+            Err(failure) => told.add(i, failure.mistakes),
+        }
+        clock = Clock::start();
+    }
+    if told.is_empty() {
+        told.add_all(outputs::apart(&mut prepared));
+    }
+    told.end(file)?;
+    // Warnings of the file as a whole are those of its first run.
+    if let Some(first) = prepared.first_mut() {
+        first.warnings.splice(0..0, warnings);
+    }
+    Ok(prepared)
+}
+
+/// Checks one run.
+fn one(
+    file: &Path,
+    included: &[PathBuf],
+    run: OneRun,
+    options: &Options,
+    several: bool,
+    shared: &mut Shared,
+) -> Result<Prepared> {
     let clock = Clock::start();
-    let mut document = Document::read(file)?;
-    overrides::apply(&mut document, &options.settings).map_err(|mistakes| Failure { mistakes })?;
+    let OneRun { variant, document } = run;
     let (mut pipeline, mistakes) = parse::parse(&document);
     let mut check = Check {
-        base: file.parent().unwrap_or(Path::new("")).into(),
         document: &document,
         formats: Formats::new(std::mem::take(&mut pipeline.formats)),
-        inputs: vec![Input { role: "pipeline", path: file.into() }],
+        inputs: files(file, included),
         mistakes,
         warnings: vec![],
     };
     check.registry();
     check.format_settings();
-    let (source, poses) = check.source(&pipeline.source);
-    let target = check.target(&pipeline.target);
-    check.inside_out(source.as_ref(), target.as_ref());
-    let markers = check.markers(pipeline.markers.as_deref(), source.as_ref(), target.as_ref());
-    let truth = check.truth(pipeline.truth.as_deref(), target.as_ref(), &poses);
+    let (source, poses) = shared.source(&mut check, &pipeline.source);
+    let target = shared.target(&mut check, &pipeline.target);
+    let (source, target) = (source.as_ref(), target.as_ref());
+    check.inside_out(source.map(Arc::as_ref), target.map(Arc::as_ref));
+    let markers = check.markers(pipeline.markers.as_ref(), source.map(Arc::as_ref), target.map(Arc::as_ref));
+    let truth = check.truth(pipeline.truth.as_deref(), target.map(Arc::as_ref), &poses);
     let metrics = check.metrics(pipeline.metrics.take(), &truth);
-    check.stages(&mut pipeline, source.as_ref(), target.as_ref(), markers.as_deref());
-    let outputs = check.outputs(&pipeline, &poses, options.out.as_deref());
-    check.end(file)?;
+    check.stages(&mut pipeline, source.map(Arc::as_ref), target.map(Arc::as_ref), markers.as_deref());
+    let out = options.out.as_deref().map(|typed| Out {
+        typed,
+        folder: if several { typed.join(&variant.name) } else { typed.into() },
+    });
+    let outputs = check.outputs(&pipeline, &poses, out.as_ref());
+    if !check.mistakes.is_empty() {
+        return Err(Failure { mistakes: check.mistakes });
+    }
     let (Some(source), Some(target), Some(markers)) = (source, target, markers) else {
         return Err(Mistake::new(Status::Internal, "a mesh was refused without a reason").into());
     };
     Ok(Prepared {
         file: file.into(),
+        variant,
         formats: check.formats,
         inputs: check.inputs,
         warnings: check.warnings,
         reading: clock.stop("reading", "", Figures::default()),
+        source: source.clone(),
+        target: target.clone(),
         pipeline,
-        source,
-        target,
         poses,
         markers,
         truth,
@@ -127,11 +194,15 @@ pub fn prepare(file: &Path, options: &Options) -> Result<Prepared> {
     })
 }
 
+/// The files that say what to run.
+fn files(file: &Path, included: &[PathBuf]) -> Vec<Input> {
+    let included = included.iter().map(|path| Input { role: "included pipeline", path: path.clone() });
+    std::iter::once(Input { role: "pipeline", path: file.into() }).chain(included).collect()
+}
+
 /// A check on its way.
 struct Check<'a> {
     document: &'a Document,
-    /// The folder of the pipeline's file.
-    base: PathBuf,
     formats: Formats,
     inputs: Vec<Input>,
     mistakes: Vec<Mistake>,
@@ -141,16 +212,12 @@ struct Check<'a> {
 impl Check<'_> {
     /// All mistakes in the order of the file, if there are any.
     fn end(&mut self, file: &Path) -> Result<()> {
-        if self.mistakes.is_empty() {
-            return Ok(());
-        }
-        self.mistakes.sort_by_key(|mistake| match &mistake.place {
-            Some(Place::Span { file: place, line, column, .. }) if place == file => (0, *line, *column),
-            // Options have no place in the file, and what is wrong in other files comes after.
-            Some(Place::Option(_)) => (1, 0, 0),
-            _ => (2, 0, 0),
-        });
-        Err(Failure { mistakes: std::mem::take(&mut self.mistakes) })
+        Told::of_one(std::mem::take(&mut self.mistakes)).end(file)
+    }
+
+    /// The path at `at`, as seen from the current folder: it begins at the folder of the file that says it.
+    fn path(&self, at: &[Step], path: &Path) -> PathBuf {
+        super::resolve::from_base(self.document.folder(at), path)
     }
 
     fn wrong(&mut self, path: &[Step], at: At, message: impl Into<String>, hint: impl Into<String>) {

@@ -4,7 +4,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use super::{Check, PoseInput};
+use super::{Check, PoseInput, Prepared};
 use crate::{
     mistake::{Mistake, Place},
     pipeline::{At, Pipeline, Step, Writes, document::path, resolve},
@@ -43,28 +43,25 @@ pub enum Output {
 }
 
 impl Check<'_> {
-    pub(super) fn outputs(&mut self, pipeline: &Pipeline, poses: &[PoseInput], out: Option<&Path>) -> Outputs {
-        let place = |path: &Path| match (out, path.file_name()) {
-            (Some(out), Some(name)) => resolve::tidy(&out.join(name)),
-            _ => resolve::from_base(&self.base, path),
+    pub(super) fn outputs(&mut self, pipeline: &Pipeline, poses: &[PoseInput], out: Option<&Out<'_>>) -> Outputs {
+        let place = |at: &[Step], path: &Path| match (out, path.file_name()) {
+            (Some(out), Some(name)) => resolve::tidy(&out.folder.join(name)),
+            _ => self.path(at, path),
         };
         // An item that is no text has been told, and an empty one stands in its place.
         let items = pipeline.output.items.iter().enumerate().filter(|(_, item)| !item.is_empty());
-        let patterns: Vec<(usize, PathBuf)> = items.map(|(i, item)| (i, place(Path::new(item)))).collect();
-        let correspondence = pipeline.keep_correspondence.as_deref().map(place);
+        let patterns: Vec<(usize, PathBuf)> = items.map(|(i, item)| (i, place(&output_at(pipeline, i), Path::new(item)))).collect();
+        let correspondence = pipeline.keep_correspondence.as_deref().map(|file| place(&path(["keep_correspondence"]), file));
         let mut outputs = Outputs { meshes: vec![], correspondence, report: PathBuf::new() };
         let read = self.inputs.iter().map(|input| (resolve::identity(&input.path), input.role));
-        let mut places = Places { read: read.collect(), out, ..Places::default() };
+        let mut places = Places { read: read.collect(), out: out.map(|out| out.typed), ..Places::default() };
         self.empty_texts(&path(["output"]));
         if pipeline.output.listed && pipeline.output.items.is_empty() {
             self.wrong(&path(["output"]), At::Value, "the list of outputs is empty", "e.g. `output: out/{pose}.obj`");
         }
         let before = self.mistakes.len();
         for (i, pattern) in &patterns {
-            let mut at = path(["output"]);
-            if pipeline.output.listed {
-                at.push(Step::Index(*i));
-            }
+            let at = output_at(pipeline, *i);
             if let Some(output) = self.output(pattern, poses, &at) {
                 // One file tells what is wrong with all of a pattern.
                 let _ = output.files().iter().all(|file| self.writable(file, &at, &mut places));
@@ -174,6 +171,64 @@ impl Check<'_> {
         self.mistakes.extend(mistake);
         fine
     }
+}
+
+/// The folder for results that the command line gives.
+#[derive(Debug)]
+pub(super) struct Out<'a> {
+    /// As it was given.
+    pub typed: &'a Path,
+    /// Where the results of this run go: a folder of its own in that, if there are several runs.
+    pub folder: PathBuf,
+}
+
+/// Where item `i` of the outputs is.
+fn output_at(pipeline: &Pipeline, i: usize) -> Vec<Step> {
+    let mut at = path(["output"]);
+    if pipeline.output.listed {
+        at.push(Step::Index(i));
+    }
+    at
+}
+
+/// Gives runs that write into one folder reports of their own names, and finds files that one run writes and another reads or
+/// writes.
+pub(super) fn apart(all: &mut [Prepared]) -> Vec<Mistake> {
+    let mut reports: HashMap<PathBuf, usize> = HashMap::new();
+    for one in all.iter() {
+        *reports.entry(resolve::identity(&one.outputs.report)).or_default() += 1;
+    }
+    for one in all.iter_mut() {
+        if reports.get(&resolve::identity(&one.outputs.report)).is_some_and(|count| *count > 1) {
+            one.outputs.report.set_file_name(format!("run-{}.json", one.variant.name));
+        }
+    }
+    let mut mistakes = Vec::new();
+    let mut written: HashMap<PathBuf, &Prepared> = HashMap::new();
+    for one in all.iter() {
+        for file in one.outputs.places() {
+            let other = written.insert(resolve::identity(file), one);
+            if let Some(other) = other.filter(|other| other.variant != one.variant) {
+                let runs = format!("`{}` and `{}`", other.variant.name, one.variant.name);
+                let message = format!("{} would be written by two runs, {runs}", file.display());
+                let mistake = Mistake::new(Status::BadPipeline, message).at(Place::File(one.file.clone()));
+                mistakes.push(mistake.hint("put `{name}` into the names of outputs"));
+            }
+        }
+    }
+    for one in all.iter() {
+        for input in &one.inputs {
+            if let Some(other) = written.get(&resolve::identity(&input.path)) {
+                let message = format!("{} would overwrite an input ({})", input.path.display(), input.role);
+                let message = format!("{message} of the run `{}`", one.variant.name);
+                let mistake = Mistake::new(Status::BadPipeline, message).at(Place::File(other.file.clone()));
+                mistakes.push(mistake.hint("write into another folder, e.g. `out/{name}/{pose}.obj`"));
+            }
+        }
+    }
+    // One tells what is wrong with them all.
+    mistakes.truncate(1);
+    mistakes
 }
 
 /// Files by what the system takes them for.

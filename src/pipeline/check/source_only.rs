@@ -1,10 +1,10 @@
 use std::path::{Path, PathBuf};
 
-use super::{Check, Input, Options, PoseInput, Side};
+use super::{Check, Options, PoseInput, Side};
 use crate::{
     core::{plugin, stage::KeyPoints},
-    mistake::{Failure, Mistake, Result},
-    pipeline::{At, Document, Formats, overrides, parse, resolve},
+    mistake::{Mistake, Result},
+    pipeline::{At, Formats, compose, parse},
     status::Status,
 };
 
@@ -31,8 +31,7 @@ pub struct PreparedSource {
 ///
 /// All mistakes that can be found in that part without computing or reading poses.
 pub fn prepare_source(file: &Path, options: &Options) -> Result<PreparedSource> {
-    let mut document = Document::read(file)?;
-    overrides::apply(&mut document, &options.settings).map_err(|mistakes| Failure { mistakes })?;
+    let (document, included, targets) = compose::compose_source(file, &options.settings)?;
     let (mut pipeline, mistakes) = parse::parse(&document);
     // A pipeline may still lack what only a run needs.
     let missing = |mistake: &Mistake| {
@@ -41,10 +40,9 @@ pub fn prepare_source(file: &Path, options: &Options) -> Result<PreparedSource> 
             .any(|key| mistake.message == format!("missing key `{key}`"))
     };
     let mut check = Check {
-        base: file.parent().unwrap_or(Path::new("")).into(),
         document: &document,
         formats: Formats::new(std::mem::take(&mut pipeline.formats)),
-        inputs: vec![Input { role: "pipeline", path: file.into() }],
+        inputs: super::files(file, &included),
         mistakes: mistakes.into_iter().filter(|mistake| !missing(mistake)).collect(),
         warnings: vec![],
     };
@@ -60,6 +58,6 @@ pub fn prepare_source(file: &Path, options: &Options) -> Result<PreparedSource> 
         let hint = format!("say how to choose them, e.g. `key_points: {{ type: {} }}`", names.join(" | "));
         return Err(document.mistake(&[], At::Value, "missing key `key_points`").hint(hint).into());
     };
-    let markers = pipeline.markers.as_deref().map(|markers| resolve::from_base(&check.base, markers));
-    Ok(PreparedSource { source, poses, formats: check.formats, key_points, markers, target: pipeline.target.rest })
+    let markers = pipeline.markers.as_ref().and_then(|files| check.marker_files(files).one().cloned());
+    Ok(PreparedSource { source, poses, formats: check.formats, key_points, markers, target: pipeline.target.rest.filter(|_| targets == 1) })
 }

@@ -7,7 +7,7 @@ use crate::{
         stage::{Marker, Metric, Pair},
     },
     mistake::Mistake,
-    pipeline::{At, Pipeline, Step, document::path, resolve},
+    pipeline::{At, Pipeline, Step, document::path},
     status::Status,
 };
 
@@ -90,7 +90,7 @@ impl Check<'_> {
             let at: Vec<_> = path([stage]).into_iter().chain(said.map(|(key, _)| Step::Key(key.clone()))).collect();
             let before = self.mistakes.len();
             self.empty_texts(&at);
-            *file = resolve::from_base(&self.base, file);
+            *file = self.path(&at, file);
             if self.mistakes.len() == before {
                 self.input(stage, file, &at);
             }

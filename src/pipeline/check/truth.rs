@@ -69,7 +69,7 @@ impl Check<'_> {
 
     fn truth_files(&mut self, pattern: &str, poses: &[PoseInput]) -> Truth {
         let path_of =
-            |pose: &PoseInput| resolve::from_base(&self.base, Path::new(&resolve::with_pose(pattern, &pose.name)));
+            |pose: &PoseInput| self.path(&path(["truth"]), Path::new(&resolve::with_pose(pattern, &pose.name)));
         let files: Vec<PathBuf> = poses.iter().map(path_of).collect();
         let missing: Vec<_> =
             files.iter().filter(|file| !file.is_file()).map(|file| file.display().to_string()).collect();
@@ -87,7 +87,7 @@ impl Check<'_> {
     }
 
     fn truth_file(&mut self, file: &Path, target: Option<&Side>, poses: &[PoseInput]) -> Truth {
-        let file = resolve::from_base(&self.base, file);
+        let file = self.path(&path(["truth"]), file);
         if !self.input("truth", &file, &path(["truth"])) {
             return Truth::None;
         }

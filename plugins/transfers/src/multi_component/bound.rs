@@ -8,12 +8,24 @@ use mimesh_core::{
 };
 use nalgebra::{Matrix3, Point3, Vector3};
 
-use super::{MultiComponent, gaps::Gap, plants::Plants, rigid::Rigid, system::System};
+use super::{
+    gaps::{Gap, Gaps},
+    plants::Plants,
+    prior::Prior,
+    rigid::Rigid,
+    system::System,
+};
 use crate::{field::Field, loose::Loose, placement::BoundPlacement};
 
 #[derive(Debug)]
 pub struct Bound {
-    pub settings: MultiComponent,
+    pub gaps_keep: Gaps,
+    /// Whether E2 has a weight.
+    pub continue_neighbours: bool,
+    pub sequence: bool,
+    pub max_steps: usize,
+    pub tolerance: f64,
+    pub prior: Option<Prior>,
     pub field: Field,
     pub gaps: Vec<Gap>,
     pub system: System,
@@ -31,7 +43,7 @@ impl BoundTransfer for Bound {
     }
 
     fn motion(&self) -> Option<Box<dyn Motion + '_>> {
-        let is_one = self.settings.sequence || !self.plants.is_empty();
+        let is_one = self.sequence || !self.plants.is_empty();
         is_one.then(|| Box::new(Frames { bound: self, before: None, planted: vec![None; self.plants.len()] }) as _)
     }
 
@@ -53,7 +65,7 @@ impl Motion for Frames<'_> {
     fn frame(&mut self, frame: usize, posed: &[Point3<f64>]) -> Result<Transferred> {
         let (bound, before, planted) = (self.bound, &self.before, &mut self.planted);
         let goals: Vec<_> = bound.plants.at(frame).filter_map(|k| Some((k, planted[k]?))).collect();
-        let start = before.as_ref().filter(|_| bound.settings.sequence).map(|[_, target]| target.as_slice());
+        let start = before.as_ref().filter(|_| bound.sequence).map(|[_, target]| target.as_slice());
         let place = |positions: &mut [Point3<f64>]| match before {
             _ if !goals.is_empty() => {
                 // What is rigid was moved after plants were met.
@@ -77,24 +89,41 @@ impl Motion for Frames<'_> {
 }
 
 impl Bound {
-    /// The target when the source is at `posed`, the steps starting from `start`, plants held at `goals`, and put in its place
+    /// The target when the source is at `posed`, the steps starting from `start`, plants held at `planted`, and put in its place
     /// by `place`.
     fn solve(
         &self,
         posed: &[Point3<f64>],
         start: Option<&[Point3<f64>]>,
-        goals: &[(usize, Vector3<f64>)],
+        planted: &[(usize, Vector3<f64>)],
         place: impl FnOnce(&mut [Point3<f64>]),
     ) -> Result<Transferred> {
         Error::check_shape("posed source vertices (#V)", self.field.source_vertices(), posed.len())?;
         check_finite(posed)?;
         let mut field = self.field.at(posed);
-        if self.settings.weights.smoothness == 0.0 {
+        if !self.continue_neighbours {
             // Continuing their neighbours is E2 as well.
             (0..field.len()).filter(|&t| self.field.is_orphan(t)).for_each(|t| field[t] = Matrix3::identity());
         }
+        let initial = match &self.prior {
+            Some(prior) => {
+                let mut positions = prior.positions(posed)?;
+                self.placement.apply(posed, &mut positions);
+                Some(positions)
+            }
+            None => None,
+        };
+        if let (Some(prior), Some(b)) = (&self.prior, &initial) {
+            prior.fill(b, &mut field, |t| self.field.is_orphan(t));
+        }
+        let start = start.or(initial.as_deref());
         self.rigid.stiffen(&mut field);
-        let known: Vec<Option<Vector3<f64>>> = self.known_gaps(posed, &field);
+        let mut known: Vec<Option<Vector3<f64>>> = self.known_gaps(posed, &field);
+        if let Some(b) = &initial {
+            for (known, gap) in known.iter_mut().zip(&self.gaps).filter(|(_, gap)| gap.is_loose()) {
+                *known = Some(b[gap.ends[0] as usize] - b[gap.ends[1] as usize]);
+            }
+        }
         let rhs = self.system.rhs(&field);
 
         let first_guess = |gap: &Gap| {
@@ -108,17 +137,28 @@ impl Bound {
             None => self.system.turned_details(|v| self.rotation(v, &field)),
         };
         let mut energies = Vec::new();
-        let iterates = self.system.has_details() || known.iter().any(Option::is_none);
+        let mut goals = initial.clone().unwrap_or_default();
+        // Whether directions change from step to step.
+        let turns = self.system.has_details() || known.iter().any(Option::is_none);
         let mut positions;
         loop {
-            let mut x = self.system.solve(&rhs, &self.gaps, &vectors, &details);
-            let shift = if goals.is_empty() { None } else { Some(self.plants.hold(goals, &self.system, &mut x)) };
+            let mut x = self.system.solve(&rhs, &self.gaps, &vectors, &details, &goals);
+            let shift = if planted.is_empty() { None } else { Some(self.plants.hold(planted, &self.system, &mut x)) };
             positions = self.system.positions(&x);
+            let mut moved = None;
+            let mut energy = self.system.energy(&x, &field) + self.gap_energy(&known, &positions);
+            if let (Some(prior), Some(b)) = (&self.prior, &initial) {
+                // Before plants shift the target as a whole, which E5 is not to mind.
+                energy += prior.energy(b, &positions);
+                let next = prior.goals(b, &positions);
+                moved = prior.distance(&goals, &next);
+                goals = next;
+            }
             positions.iter_mut().for_each(|p| *p += shift.unwrap_or_default());
-            let energy = self.system.energy(&x, &field) + self.gap_energy(&known, &positions);
-            let settled = energies.last().is_some_and(|last| last - energy <= self.settings.tolerance * last);
+            let lowered = energies.last().is_none_or(|last| last - energy > self.tolerance * last);
+            let settled = moved.is_none_or(|moved| moved <= self.tolerance) && !(turns && lowered);
             energies.push(energy);
-            if !iterates || settled || energies.len() == self.settings.max_steps {
+            if settled || energies.len() == self.max_steps {
                 break;
             }
             for ((vector, gap), known) in vectors.iter_mut().zip(&self.gaps).zip(&known) {
@@ -140,7 +180,7 @@ impl Bound {
 
     fn known_gaps(&self, posed: &[Point3<f64>], field: &[Matrix3<f64>]) -> Vec<Option<Vector3<f64>>> {
         let similarity = &self.placement.alignment.target_from_source;
-        let vector = |gap: &Gap| gap.vector(self.settings.gaps, self.field.source(), posed, field, similarity);
+        let vector = |gap: &Gap| gap.vector(self.gaps_keep, self.field.source(), posed, field, similarity);
         self.gaps.iter().map(vector).collect()
     }
 

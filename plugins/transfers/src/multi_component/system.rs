@@ -35,6 +35,8 @@ pub struct System {
     detail: Option<Detail>,
     unknowns: usize,
     anchor: u32,
+    /// β of E5; empty for none.
+    prior: Vec<f64>,
     /// Vertices without a triangle, which the system says nothing of.
     loose: Vec<u32>,
 }
@@ -56,6 +58,7 @@ impl System {
         target: &Surface,
         gaps: &[Gap],
         weights: Weights,
+        prior: &[f64],
         is_orphan: impl Fn(usize) -> bool,
         orphan_component: impl Fn(u32) -> bool,
     ) -> Result<Self> {
@@ -111,7 +114,13 @@ impl System {
         let loose: Vec<u32> = (0..n as u32).filter(|&v| !used[v as usize]).collect();
         // Coordinates are relative to the anchor. No term minds a translation, so that this holds it exactly.
         let anchor = target.triangles.first().map_or(0, |t| t[0]);
-        loose.iter().chain([&anchor]).for_each(|&v| assembly.add(v as usize, v as usize, 1.0));
+        loose.iter().for_each(|&v| assembly.add(v as usize, v as usize, 1.0));
+        // E5 minds a translation, and holds it instead.
+        let is_held = prior.iter().sum::<f64>() > 0.0;
+        if !is_held {
+            assembly.add(anchor as usize, anchor as usize, 1.0);
+        }
+        prior.iter().enumerate().for_each(|(v, &weight)| assembly.add(v, v, weight));
         let known = |t: usize| gradients[t].filter(|_| !is_orphan(t)).map(|g| (g, weights.gradient * g.area));
         let cholesky = Cholesky::new(assembly.finish(), "the system of the target's components")?;
         Ok(Self {
@@ -125,6 +134,7 @@ impl System {
             detail,
             unknowns,
             anchor,
+            prior: if is_held { prior.to_vec() } else { vec![] },
             loose,
         })
     }
@@ -145,8 +155,16 @@ impl System {
         rhs
     }
 
-    /// The unknowns that minimise the energy for gaps `vectors` and Laplacian coordinates `details`.
-    pub fn solve(&self, rhs: &[f64], gaps: &[Gap], vectors: &[Vector3<f64>], details: &[Vector3<f64>]) -> Vec<f64> {
+    /// The unknowns that minimise the energy for gaps `vectors`, Laplacian coordinates `details` and, with E5, vertices drawn to
+    /// `goals`.
+    pub fn solve(
+        &self,
+        rhs: &[f64],
+        gaps: &[Gap],
+        vectors: &[Vector3<f64>],
+        details: &[Vector3<f64>],
+        goals: &[Point3<f64>],
+    ) -> Vec<f64> {
         let n = self.unknowns;
         let mut x = rhs.to_vec();
         for (gap, vector) in gaps.iter().zip(vectors) {
@@ -157,6 +175,10 @@ impl System {
         }
         if let Some(detail) = &self.detail {
             detail.add_rhs(details, &mut x);
+        }
+        let anchor = self.rest[self.anchor as usize];
+        for (v, (weight, goal)) in self.prior.iter().zip(goals).enumerate() {
+            (0..3).for_each(|c| x[c * n + v] += weight * (goal[c] - anchor[c]));
         }
         self.cholesky.solve_in_place(&mut x, 3);
         x
@@ -200,7 +222,7 @@ impl System {
         self.detail.is_some()
     }
 
-    /// E1 + E2 + E4 of a solution; E3 is the gaps' own.
+    /// E1 + E2 + E4 of a solution; E3 is the gaps' own, E5 the prior's.
     pub fn energy(&self, x: &[f64], field: &[Matrix3<f64>]) -> f64 {
         let positions = self.positions(x);
         let at = |i: u32, c: usize| x[c * self.unknowns + i as usize];

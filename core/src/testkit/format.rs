@@ -1,0 +1,85 @@
+//! The contract of formats.
+
+use std::path::{Path, PathBuf};
+
+use nalgebra::Point3;
+
+use super::contracts::{bent_bar, near_within, twisted};
+use crate::{
+    mesh::Mesh,
+    stage::{Format, MeshWriter},
+};
+
+/// Formats may store 32-bit numbers.
+const TOLERANCE: f64 = 1e-6;
+
+/// The contract of [`Format`]: what it writes it reads back, and damage is an error that names the file.
+pub fn format(name: &str, stage: &dyn Format) {
+    let extensions = stage.extensions();
+    assert!(!extensions.is_empty(), "{name}: no extension");
+    let lower = |e: &&str| !e.is_empty() && e.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit());
+    assert!(extensions.iter().all(lower), "{name}: extensions are lower case without a dot: {extensions:?}");
+    let folder = Folder::new(name);
+    let path = folder.0.join(format!("mesh.{}", extensions[0]));
+    assert!(stage.read(&path).is_err(), "{name}: reads a file that does not exist");
+
+    let surface = bent_bar();
+    let rest = Mesh::from_triangles(surface.positions.clone(), &surface.triangles);
+    let Some(bytes) = written(name, stage, &rest, &twisted(&surface, 0.5)) else { return };
+    std::fs::write(&path, &bytes).expect("a file in the temporary folder");
+    let read = stage.read(&path).unwrap_or_else(|error| panic!("{name}: {error}"));
+    assert!(read.rest.polygons == rest.polygons, "{name}: other polygons, or another order");
+    let posed = match stage.writer() {
+        Some(MeshWriter::Sequence(_)) => {
+            near_within(name, "rest positions come back", &read.rest.positions, &rest.positions, TOLERANCE);
+            read.poses.last().map(|pose| pose.positions.clone()).unwrap_or_default()
+        }
+        _ => read.rest.positions,
+    };
+    near_within(name, "posed positions come back", &posed, &twisted(&surface, 0.5), TOLERANCE);
+    damaged(name, stage, &path, &bytes);
+}
+
+fn written(name: &str, stage: &dyn Format, rest: &Mesh, posed: &[Point3<f64>]) -> Option<Vec<u8>> {
+    let mut bytes = Vec::new();
+    let written = match stage.writer()? {
+        MeshWriter::Pose(writer) => writer.write(rest, posed, &mut bytes),
+        MeshWriter::Sequence(format) => format.start(rest).and_then(|mut writer| {
+            writer.add("posed", posed)?;
+            writer.finish(&mut bytes)
+        }),
+    };
+    written.unwrap_or_else(|error| panic!("{name}: {error}"));
+    Some(bytes)
+}
+
+/// Files cut short anywhere are read as far as their format allows, or refused by name.
+fn damaged(name: &str, stage: &dyn Format, path: &Path, bytes: &[u8]) {
+    for part in 0..16 {
+        std::fs::write(path, &bytes[..bytes.len() * part / 16]).expect("a file in the temporary folder");
+        if let Err(error) = stage.read(path) {
+            let text = error.to_string();
+            let file = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+            assert!(text.contains(&file), "{name}: the error of a damaged file does not name it: {text}");
+        } else {
+            assert!(part > 0, "{name}: reads an empty file");
+        }
+    }
+}
+
+/// A folder that goes when it is dropped.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let folder = std::env::temp_dir().join(format!("mimesh-format-{name}-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).expect("a temporary folder");
+        Self(folder)
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}

@@ -1,0 +1,187 @@
+//! Transfers one after the other.
+//!
+//! The first moves the target as the source moves. What it makes of the target is the source of the next, which moves the same
+//! target by it: triangle by triangle its own partner, every marker its own. So the next sees a pose of the very mesh that it
+//! is to move, and gives it what the first cannot: rigid parts, feet that stand still, gradients without spikes.
+//!
+//! Rest gives rest and a rigid motion itself, because each link does so.
+
+use mimesh_core::{
+    Error, Figures, Result,
+    mesh::{Surface, SurfacePoint},
+    register,
+    stage::{BoundTransfer, Marker, Motion, Pair, Transfer, Transferred, TriangleMap},
+};
+use nalgebra::Point3;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::{
+    frames::{Frames, spread},
+    gradient::GradientTransfer,
+};
+
+register!(Transfer: Chain);
+
+/// Transfers one after the other: what one makes of the target is the pose that the next gives to it.
+///
+/// E.g. `biharmonic` and then `multi_component` with `rigid:` or `plants:`, which handles alone cannot keep.
+#[derive(Debug, Deserialize, JsonSchema, Serialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Chain {
+    /// The transfers. The first takes the poses of the source, each other those that the one before gives to the target.
+    pub transfers: Vec<Box<dyn Transfer>>,
+}
+
+impl Default for Chain {
+    fn default() -> Self {
+        Self { transfers: vec![Box::new(GradientTransfer::default())] }
+    }
+}
+
+#[typetag::serde(name = "chain")]
+impl Transfer for Chain {
+    fn bind(&self, pair: Pair<'_>, map: &TriangleMap) -> Result<Box<dyn BoundTransfer>> {
+        self.bind_to_poses(pair, map, &[])
+    }
+
+    fn needs_correspondence(&self) -> bool {
+        self.transfers.first().is_none_or(|first| first.needs_correspondence())
+    }
+
+    fn poses_wanted(&self) -> usize {
+        self.transfers.iter().map(|transfer| transfer.poses_wanted()).max().unwrap_or(0)
+    }
+
+    fn bind_to_poses(
+        &self,
+        pair: Pair<'_>,
+        map: &TriangleMap,
+        poses: &[Vec<Point3<f64>>],
+    ) -> Result<Box<dyn BoundTransfer>> {
+        let (first, others) = self.split()?;
+        let mut figures = Figures::default();
+        let mut links = vec![link(0, first, pair, map, poses, &mut figures)?];
+        let markers = on_itself(pair.markers);
+        let itself = Pair { source: pair.target, markers: &markers, ..pair };
+        let identity = identity(pair.target);
+        let mut seen = poses.to_vec();
+        for (k, transfer) in others.iter().enumerate() {
+            let later = others[k..].iter().map(|transfer| transfer.poses_wanted()).max().unwrap_or(0);
+            seen = spread(&seen, later);
+            let before = &links[k];
+            for pose in &mut seen {
+                *pose = before.transfer(pose)?.positions;
+            }
+            links.push(link(k + 1, &**transfer, itself, &identity, &seen, &mut figures)?);
+        }
+        Ok(Box::new(Bound { links, figures }))
+    }
+
+    fn check(&self, pair: Pair<'_>) -> Result<()> {
+        let (first, others) = self.split()?;
+        first.check(pair).map_err(|error| at(0, error))?;
+        let markers = on_itself(pair.markers);
+        let itself = Pair { source: pair.target, markers: &markers, ..pair };
+        others.iter().enumerate().try_for_each(|(k, next)| next.check(itself).map_err(|error| at(k + 1, error)))
+    }
+}
+
+impl Chain {
+    fn split(&self) -> Result<(&dyn Transfer, &[Box<dyn Transfer>])> {
+        let (first, others) = self.transfers.split_first().ok_or_else(|| Error::Setting {
+            setting: "transfers",
+            expected: "one transfer or more".into(),
+            found: "none".into(),
+        })?;
+        Ok((&**first, others))
+    }
+}
+
+/// Binds transfer `k` and adds its figures under its name.
+fn link(
+    k: usize,
+    transfer: &dyn Transfer,
+    pair: Pair<'_>,
+    map: &TriangleMap,
+    poses: &[Vec<Point3<f64>>],
+    figures: &mut Figures,
+) -> Result<Box<dyn BoundTransfer>> {
+    let poses = spread(poses, transfer.poses_wanted());
+    let bound = transfer.bind_to_poses(pair, map, &poses).map_err(|error| at(k, error))?;
+    add(figures, k, bound.figures());
+    Ok(bound)
+}
+
+/// Adds the figures of transfer `k`.
+fn add(figures: &mut Figures, k: usize, of_link: Figures) {
+    of_link.values.into_iter().for_each(|(name, value)| figures.set(&format!("{}_{name}", k + 1), value));
+    figures.warnings.extend(of_link.warnings);
+}
+
+/// The error of transfer `k`.
+fn at(k: usize, error: Error) -> Error {
+    match error {
+        Error::Data { message, hint } => Error::Data { message: format!("transfers[{k}]: {message}"), hint },
+        other => other,
+    }
+}
+
+/// The markers of the target as pairs of the target with itself.
+fn on_itself(markers: &[Marker]) -> Vec<Marker> {
+    markers.iter().map(|m| Marker { source: m.target, ..m.clone() }).collect()
+}
+
+fn identity(target: &Surface) -> TriangleMap {
+    TriangleMap {
+        source_triangles: target.triangle_count(),
+        partners: (0..target.triangle_count() as u32).map(Some).collect(),
+        points: (0..target.vertex_count() as u32).map(|v| Some(SurfacePoint::Vertex(v))).collect(),
+        ..TriangleMap::default()
+    }
+}
+
+#[derive(Debug)]
+struct Bound {
+    links: Vec<Box<dyn BoundTransfer>>,
+    figures: Figures,
+}
+
+impl BoundTransfer for Bound {
+    fn transfer(&self, posed: &[Point3<f64>]) -> Result<Transferred> {
+        run(self.links.iter(), posed, |link, posed| link.transfer(posed))
+    }
+
+    fn motion(&self) -> Option<Box<dyn Motion + '_>> {
+        Some(Box::new(InMotion { links: Frames::of(self.links.iter().map(|link| &**link))? }))
+    }
+
+    fn figures(&self) -> Figures {
+        self.figures.clone()
+    }
+}
+
+/// Hands each link's result to the next.
+fn run<L>(
+    links: impl Iterator<Item = L>,
+    posed: &[Point3<f64>],
+    mut one: impl FnMut(L, &[Point3<f64>]) -> Result<Transferred>,
+) -> Result<Transferred> {
+    let mut result = Transferred { positions: posed.to_vec(), figures: Figures::default() };
+    for (k, link) in links.enumerate() {
+        let next = one(link, &result.positions)?;
+        result.positions = next.positions;
+        add(&mut result.figures, k, next.figures);
+    }
+    Ok(result)
+}
+
+struct InMotion<'a> {
+    links: Vec<Frames<'a>>,
+}
+
+impl Motion for InMotion<'_> {
+    fn frame(&mut self, frame: usize, posed: &[Point3<f64>]) -> Result<Transferred> {
+        run(self.links.iter_mut(), posed, |link, posed| link.frame(frame, posed))
+    }
+}

@@ -1,0 +1,91 @@
+//! E5: the result of another transfer, from which the steps start and to which the target is held.
+
+use mimesh_core::{
+    Result,
+    operators::{DeformationGradients, voronoi_mass},
+    stage::{BoundTransfer, Pair, Transfer, TriangleMap},
+};
+use nalgebra::{Matrix3, Point3, Vector3};
+
+/// E5 = Σ βᵢ ρᵢ(‖x̃ᵢ − bᵢ‖), b being the other transfer's result, βᵢ = w5 Aᵢ / D² with the vertex's area and the diagonal.
+///
+/// ρ(r) = r² / (1 + r²/σ²) (Geman and McClure 1985), since a result that is far from what gradients and gaps say is no measure
+/// of them; ρ(r) = r² on orphan components, of which nothing else is known. With y where the vertex is now, ‖x − g‖² + c with
+/// g = y + (b − y) / (1 + ‖b − y‖²/σ²)² lies above ρ(‖x − b‖) and touches it at y: so the matrix stays as it is, and no step
+/// raises the energy.
+#[derive(Debug)]
+pub struct Prior {
+    transfer: Box<dyn BoundTransfer>,
+    gradients: DeformationGradients,
+    /// βᵢ.
+    pub weights: Vec<f64>,
+    /// 1/σ², and 0 for vertices of orphan components.
+    nearness: Vec<f64>,
+    diagonal: f64,
+}
+
+impl Prior {
+    /// Binds `transfer`, with w5 = `weight` and σ = `trust` diagonals; `is_orphan` says which vertices belong to components that
+    /// correspond to nothing.
+    pub fn new(
+        transfer: &dyn Transfer,
+        pair: Pair<'_>,
+        map: &TriangleMap,
+        poses: &[Vec<Point3<f64>>],
+        [weight, trust]: [f64; 2],
+        is_orphan: impl Fn(u32) -> bool,
+    ) -> Result<Self> {
+        let target = pair.target;
+        let transfer = transfer.bind_to_poses(pair, map, poses)?;
+        let mass = voronoi_mass(&target.positions, &target.triangles);
+        let diagonal = target.diagonal();
+        let nearness = |v: usize| if is_orphan(v as u32) { 0.0 } else { (trust * diagonal).powi(-2) };
+        Ok(Self {
+            transfer,
+            gradients: DeformationGradients::new(&target.positions, &target.triangles),
+            nearness: (0..mass.len()).map(nearness).collect(),
+            weights: mass.into_iter().map(|mass| weight * mass / diagonal.powi(2)).collect(),
+            diagonal,
+        })
+    }
+
+    /// b when the source is at `posed`.
+    pub fn positions(&self, posed: &[Point3<f64>]) -> Result<Vec<Point3<f64>>> {
+        Ok(self.transfer.transfer(posed)?.positions)
+    }
+
+    /// Gives orphans the deformation gradients of b.
+    pub fn fill(&self, b: &[Point3<f64>], field: &mut [Matrix3<f64>], is_orphan: impl Fn(usize) -> bool) {
+        for (t, f) in field.iter_mut().enumerate() {
+            if is_orphan(t) && self.gradients.is_defined(t) {
+                *f = self.gradients.of_triangle(t, b);
+            }
+        }
+    }
+
+    /// g: where E5 draws vertices that are at `now`.
+    pub fn goals(&self, b: &[Point3<f64>], now: &[Point3<f64>]) -> Vec<Point3<f64>> {
+        let goal = |((b, now), nearness): ((&Point3<f64>, &Point3<f64>), &f64)| {
+            let way: Vector3<f64> = b - now;
+            now + way / (1.0 + way.norm_squared() * nearness).powi(2)
+        };
+        b.iter().zip(now).zip(&self.nearness).map(goal).collect()
+    }
+
+    /// E5 at `now`.
+    pub fn energy(&self, b: &[Point3<f64>], now: &[Point3<f64>]) -> f64 {
+        let rho = |((b, now), nearness): ((&Point3<f64>, &Point3<f64>), &f64)| {
+            let square = (b - now).norm_squared();
+            square / (1.0 + square * nearness)
+        };
+        let each = b.iter().zip(now).zip(&self.nearness).map(rho);
+        each.zip(&self.weights).map(|(rho, weight)| weight * rho).sum()
+    }
+
+    /// How far two sets of goals are apart: root mean square over the surface, in diagonals; `None` if E5 has no weight.
+    pub fn distance(&self, a: &[Point3<f64>], b: &[Point3<f64>]) -> Option<f64> {
+        let squares = a.iter().zip(b).zip(&self.weights).map(|((a, b), weight)| weight * (a - b).norm_squared());
+        let total: f64 = self.weights.iter().sum();
+        (total > 0.0).then(|| (squares.sum::<f64>() / total).sqrt() / self.diagonal)
+    }
+}

@@ -1,0 +1,4 @@
+use my_stage as _;
+fn main() -> std::process::ExitCode {
+    mimesh::cli::main()
+}

@@ -1,0 +1,117 @@
+use std::path::Path;
+
+use crate::{
+    mistake::{Failure, Mistake, Place, Result},
+    pipeline::{Variant, compose::OneRun, places::Node},
+};
+
+/// The mistakes of all runs of a file, each told once.
+#[derive(Debug)]
+pub(super) struct Told {
+    variants: Vec<Variant>,
+    /// Where the values of each run were written.
+    nodes: Vec<Node>,
+    /// What concerns the file as a whole.
+    whole: Vec<Mistake>,
+    /// What is wrong with runs, and with which.
+    found: Vec<Found>,
+    /// Places at which whatever is wrong follows from `whole`.
+    left: Vec<Place>,
+}
+
+#[derive(Debug)]
+struct Found {
+    mistake: Mistake,
+    /// The message without what is the run's own.
+    kind: String,
+    runs: Vec<usize>,
+}
+
+impl Told {
+    /// Begins with what is wrong with the file as a whole.
+    pub(super) fn new(runs: &[OneRun], whole: Vec<Mistake>, left: Vec<Place>) -> Self {
+        let variants = runs.iter().map(|run| run.variant.clone()).collect();
+        let nodes = runs.iter().map(|run| run.document.root.clone()).collect();
+        Self { variants, nodes, whole, found: vec![], left }
+    }
+
+    /// For a single run.
+    pub(super) fn of_one(mistakes: Vec<Mistake>) -> Self {
+        Self { variants: vec![], nodes: vec![], whole: mistakes, found: vec![], left: vec![] }
+    }
+
+    /// Whether there is nothing to tell.
+    pub(super) fn is_empty(&self) -> bool {
+        self.whole.is_empty() && self.found.is_empty()
+    }
+
+    /// Adds what concerns no run more than another.
+    pub(super) fn add_all(&mut self, mistakes: Vec<Mistake>) {
+        self.whole.extend(mistakes);
+    }
+
+    /// Adds what is wrong with a run.
+    pub(super) fn add(&mut self, run: usize, mistakes: Vec<Mistake>) {
+        let variant = &self.variants[run];
+        for mistake in mistakes {
+            if mistake.place.as_ref().is_some_and(|place| self.left.contains(place)) {
+                continue;
+            }
+            let mut kind = mistake.message.clone();
+            let own = [(&Some(variant.name.clone()), "{name}"), (&variant.target, "{target}"), (&variant.matrix, "{matrix}")];
+            for (name, placeholder) in own {
+                if let Some(name) = name.as_ref().filter(|name| !name.is_empty()) {
+                    kind = kind.replace(name.as_str(), placeholder);
+                }
+            }
+            match self.found.iter_mut().find(|found| found.kind == kind && found.mistake.place == mistake.place) {
+                Some(found) if found.runs.last() != Some(&run) => found.runs.push(run),
+                Some(_) => {}
+                None => self.found.push(Found { mistake, kind, runs: vec![run] }),
+            }
+        }
+    }
+
+    /// All mistakes in the order of the file, if there are any.
+    pub(super) fn end(self, file: &Path) -> Result<()> {
+        if self.is_empty() {
+            return Ok(());
+        }
+        let mut mistakes = self.whole.clone();
+        mistakes.extend(self.found.iter().map(|found| Mistake {
+            message: format!("{}{}", found.mistake.message, self.whose(found)),
+            ..found.mistake.clone()
+        }));
+        mistakes.sort_by_key(|mistake| match &mistake.place {
+            Some(Place::Span { file: place, line, column, .. }) if place == file => (0, *line, *column),
+            // Options have no place in the file, and what is wrong in other files comes after.
+            Some(Place::Option(_)) => (1, 0, 0),
+            _ => (2, 0, 0),
+        });
+        Err(Failure { mistakes })
+    }
+
+    /// Which runs, if not all of them and the place does not say it.
+    fn whose(&self, Found { mistake, runs, .. }: &Found) -> String {
+        let others: Vec<usize> = (0..self.variants.len()).filter(|run| !runs.contains(run)).collect();
+        let elsewhere = |place: &Place| !others.iter().any(|run| self.nodes[*run].has(place));
+        if others.is_empty() || mistake.place.as_ref().is_some_and(elsewhere) {
+            return String::new();
+        }
+        let target = |run: &usize| self.variants[*run].target.as_deref();
+        let mut targets: Vec<&str> = runs.iter().filter_map(target).collect();
+        targets.dedup();
+        if !targets.is_empty() && others.iter().filter_map(target).all(|other| !targets.contains(&other)) {
+            return format!(" (of {})", listed(&targets));
+        }
+        let names: Vec<&str> = runs.iter().map(|run| self.variants[*run].name.as_str()).collect();
+        format!(" (of {})", listed(&names))
+    }
+}
+
+/// Some names, and how many more there are.
+fn listed(names: &[&str]) -> String {
+    const MOST: usize = 3;
+    let shown = names.iter().take(MOST).map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
+    if names.len() > MOST { format!("{shown} and {} more", names.len() - MOST) } else { shown }
+}

@@ -1,0 +1,125 @@
+use std::path::{Path, PathBuf};
+
+use serde_json::Value;
+
+use super::merge::lay_over;
+use crate::{
+    mistake::{Mistake, Place, Result},
+    pipeline::{At, Document, Step, document::path, resolve},
+    status::Status,
+};
+
+/// Reads `file` and what it includes, laid over each other; gives the included files too, in the order they are laid.
+///
+/// However files include each other, the result is that of all of them in one list: a file lies over what it includes, and
+/// of two in a list the second over the first.
+///
+/// # Errors
+///
+/// Files that cannot be read or are no YAML, all of them; files that include themselves.
+pub(super) fn read(file: &Path) -> Result<(Document, Vec<PathBuf>)> {
+    let own = Document::read(file)?;
+    let mut reader = Reader { layers: vec![], mistakes: vec![] };
+    reader.layers(own, &mut vec![file.into()]);
+    if !reader.mistakes.is_empty() {
+        return Err(crate::mistake::Failure { mistakes: reader.mistakes });
+    }
+    let mut files: Vec<PathBuf> = Vec::new();
+    for layer in &reader.layers {
+        if layer.file != file && !files.contains(&layer.file) {
+            files.push(layer.file.clone());
+        }
+    }
+    let mut layers = reader.layers.into_iter();
+    let mut whole = layers.next().unwrap_or(Document::parse(file, "{}")?);
+    layers.for_each(|own| lay_over(&mut whole, own));
+    whole.file = file.into();
+    Ok((whole, files))
+}
+
+struct Reader {
+    layers: Vec<Document>,
+    mistakes: Vec<Mistake>,
+}
+
+impl Reader {
+    /// Adds what `own` includes and then itself; `chain` leads to it.
+    fn layers(&mut self, mut own: Document, chain: &mut Vec<PathBuf>) {
+        for (at, name) in self.names(&own) {
+            let file = resolve::from_base(own.folder(&at), Path::new(&name));
+            if chain.iter().any(|other| resolve::identity(other) == resolve::identity(&file)) {
+                let shown: Vec<_> = chain.iter().chain([&file]).map(|file| file.display().to_string()).collect();
+                let message = format!("files include each other in a circle: {}", shown.join(" includes "));
+                self.mistakes.push(own.mistake(&at, At::Value, message).hint("remove one of these includes"));
+                continue;
+            }
+            match Document::read(&file) {
+                Ok(included) if included.value.is_object() => {
+                    chain.push(file);
+                    self.layers(included, chain);
+                    chain.pop();
+                }
+                Ok(included) => {
+                    let message = "expected a map of keys of a pipeline";
+                    self.mistakes.push(included.mistake(&[], At::Value, message));
+                }
+                // That it is not there is said where it is named.
+                Err(failure) => self.mistakes.extend(failure.mistakes.into_iter().map(|mistake| match &mistake.place {
+                    Some(Place::File(_)) => {
+                        let message = format!("{}: {}", mistake.message, file.display());
+                        Mistake { message, ..mistake }.at(own.place(&at, At::Value))
+                    }
+                    _ => mistake,
+                })),
+            }
+        }
+        if own.value.is_object() {
+            own.take("include");
+        }
+        self.layers.push(own);
+    }
+
+    /// The files that `document` includes, and where it says so.
+    fn names(&mut self, document: &Document) -> Vec<(Vec<Step>, String)> {
+        let at = path(["include"]);
+        let items: Vec<(Vec<Step>, &Value)> = match document.get(&at) {
+            None => return vec![],
+            Some(Value::Array(list)) => {
+                list.iter().enumerate().map(|(i, item)| ([&at[..], &[Step::Index(i)]].concat(), item)).collect()
+            }
+            Some(one) => vec![(at, one)],
+        };
+        let mut names = Vec::new();
+        for (at, item) in items {
+            match item {
+                Value::String(name) if name.contains("${") => {
+                    let hint = "write the path; files are included before variables are known";
+                    self.mistakes.push(document.mistake(&at, At::Value, "a variable cannot be included").hint(hint));
+                }
+                Value::String(name) if !name.is_empty() => names.push((at, name.clone())),
+                other => {
+                    let message = format!("`include`: expected a path or a list of paths, found {}", found(other));
+                    self.mistakes.push(document.mistake(&at, At::Value, message).hint("e.g. `include: base.yaml`"));
+                }
+            }
+        }
+        names
+    }
+}
+
+/// A value in words.
+pub(super) fn found(value: &Value) -> String {
+    match value {
+        Value::Null => "nothing".into(),
+        Value::String(text) if text.is_empty() => "an empty text".into(),
+        Value::String(text) => format!("the text \"{text}\""),
+        Value::Array(_) => "a list".into(),
+        Value::Object(_) => "a map".into(),
+        other => other.to_string(),
+    }
+}
+
+/// A mistake of a kind that only a pipeline's file can have.
+pub(super) fn wrong(document: &Document, at: &[Step], point: At, message: impl Into<String>, hint: &str) -> Mistake {
+    Mistake { status: Status::BadPipeline, ..document.mistake(at, point, message).hint(hint) }
+}

@@ -1,0 +1,285 @@
+//! From one file to the runs that it declares: what it includes, what the command line sets, a run for every target and
+//! every combination of the matrix, variables, and names in paths, in this order.
+
+mod include;
+mod matrix;
+mod merge;
+mod names;
+mod placeholders;
+mod results;
+mod schema;
+mod targets;
+mod variables;
+
+use std::{
+    collections::BTreeSet,
+    path::{Path, PathBuf},
+};
+
+pub use results::{Ended, Results, Row};
+pub use schema::{Composition, schema};
+
+use serde_json::Value;
+
+use self::{
+    matrix::{Axis, Combination},
+    placeholders::Written,
+    targets::OneTarget,
+    variables::Substituted,
+};
+use super::{
+    At, Document, Step,
+    document::type_first,
+    overrides,
+    places::Spot,
+    words::did_you_mean,
+};
+use crate::{
+    mistake::{Failure, Mistake, Place, Result},
+    status::Status,
+};
+
+/// The keys that make several runs of one file, or one file of several; the others are those of a single run.
+pub const KEYS: [&str; 4] = ["include", "variables", "targets", "matrix"];
+
+/// What tells a run from the others of its file.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Variant {
+    /// Target and values in one, fit for the name of a file, e.g. `camel-lambda=0.1,sampling=points`; empty if the file
+    /// declares a single run without a name.
+    pub name: String,
+    /// The name of the target, if it is one of `targets`.
+    pub target: Option<String>,
+    /// The name of the combination, if there is a matrix.
+    pub matrix: Option<String>,
+    /// The keys that the matrix varies and their values in this run.
+    pub values: Vec<(String, Value)>,
+    /// What the values are called in names.
+    pub shown: Vec<String>,
+}
+
+/// A run, as a pipeline of its own.
+#[derive(Debug)]
+pub struct OneRun {
+    /// What tells it from the others.
+    pub variant: Variant,
+    /// Its pipeline, without any key of [`KEYS`].
+    pub document: Document,
+}
+
+/// All runs of a file.
+#[derive(Debug)]
+pub struct Runs {
+    /// At least one.
+    pub runs: Vec<OneRun>,
+    /// The files that are included, in the order in which they are laid over each other.
+    pub included: Vec<PathBuf>,
+    /// What is wrong with how they are put together, each once.
+    pub mistakes: Vec<Mistake>,
+    /// Places of values that were left as they are because of these mistakes: what is wrong with them follows.
+    pub left: Vec<Place>,
+    /// Sentences about what looks wrong.
+    pub warnings: Vec<String>,
+}
+
+/// Reads `file` with what it includes and takes it apart into its runs; `settings` are those of the command line.
+///
+/// # Errors
+///
+/// If files cannot be read, are no YAML, or include each other in a circle, and settings that are not understood; what else is
+/// wrong is in the result.
+pub fn compose(file: &Path, settings: &[String]) -> Result<Runs> {
+    let (mut whole, included) = include::read(file)?;
+    let (of_whole, of_runs) = sort(settings);
+    overrides::apply(&mut whole, &of_whole).map_err(|mistakes| Failure { mistakes })?;
+    for key in ["targets", "matrix"] {
+        // Set to nothing, as if the file had not said it.
+        if whole.value.get(key).is_some_and(Value::is_null) && is_option(&whole, key) {
+            whole.take(key);
+        }
+    }
+    let mut mistakes = Vec::new();
+    if let Some((_, part)) = whole.take("include") {
+        let mistake = Mistake::new(Status::Usage, "`include` cannot be set").at(part.key.place());
+        mistakes.push(mistake.hint("write a file that includes both: `include: [a.yaml, b.yaml]`"));
+    }
+    let axes = matrix::take(&mut whole, &mut mistakes);
+    let targets = targets::take(&mut whole, &mut mistakes);
+    mistakes.extend(set_beside(&of_runs, axes.as_deref(), targets.as_deref()));
+    let work = Work { whole, settings: &of_runs, axes: axes.as_deref(), targets: targets.as_deref() };
+    work.runs(included, mistakes)
+}
+
+/// The pipeline of `file` before it is taken apart into its runs, as far as its source is concerned, and how many targets there
+/// are.
+///
+/// # Errors
+///
+/// As [`compose`], and what is wrong with its variables.
+pub fn compose_source(file: &Path, settings: &[String]) -> Result<(Document, Vec<PathBuf>, usize)> {
+    let (mut whole, included) = include::read(file)?;
+    overrides::apply(&mut whole, settings).map_err(|mistakes| Failure { mistakes })?;
+    let mut ignored = Vec::new();
+    matrix::take(&mut whole, &mut ignored);
+    let targets = targets::take(&mut whole, &mut ignored);
+    let count = targets.as_ref().map_or(1, Vec::len);
+    if let Some([one]) = targets.as_deref() {
+        whole = one.of(&whole);
+    }
+    let mistakes = variables::substitute(&mut whole).mistakes;
+    whole.value = type_first(std::mem::take(&mut whole.value));
+    if mistakes.is_empty() { Ok((whole, included, count)) } else { Err(Failure { mistakes }) }
+}
+
+struct Work<'a> {
+    whole: Document,
+    settings: &'a [String],
+    axes: Option<&'a [Axis]>,
+    targets: Option<&'a [OneTarget]>,
+}
+
+impl Work<'_> {
+    fn runs(self, included: Vec<PathBuf>, mut mistakes: Vec<Mistake>) -> Result<Runs> {
+        let axes = self.axes.unwrap_or_default();
+        let combinations = matrix::combinations(axes);
+        // A file whose targets are all wrong is looked at without one.
+        let targets: Vec<Option<&OneTarget>> = match self.targets {
+            Some([]) | None => vec![None],
+            Some(targets) => targets.iter().map(Some).collect(),
+        };
+        let (mut runs, mut written, mut left) = (Vec::new(), Vec::<Written>::new(), Vec::new());
+        let mut variables = Variables::default();
+        let mut not_set = Vec::new();
+        for target in targets {
+            let of_target = target.map_or_else(|| self.whole.clone(), |target| target.of(&self.whole));
+            let mut of_target = of_target;
+            if let Err(wrong) = overrides::apply(&mut of_target, self.settings) {
+                not_set.extend(wrong);
+                continue;
+            }
+            for combination in &combinations {
+                let mut document = of_target.clone();
+                mistakes.extend(matrix::apply(&mut document, axes, combination));
+                let found = variables::substitute(&mut document);
+                let variant = self.variant(target, combination);
+                written.extend(placeholders::fill(&mut document, &variant, runs.len(), &mut mistakes));
+                document.value = type_first(std::mem::take(&mut document.value));
+                variables.add(found, &mut mistakes, &mut left);
+                runs.push(OneRun { variant, document });
+            }
+        }
+        if !not_set.is_empty() {
+            once(&mut not_set);
+            return Err(Failure { mistakes: not_set });
+        }
+        let variants: Vec<Variant> = runs.iter().map(|run| run.variant.clone()).collect();
+        mistakes.extend(placeholders::needed(&written, &variants));
+        let mut warnings = Vec::new();
+        variables.unused(&self.whole.file, axes, &mut mistakes, &mut warnings);
+        if self.targets.is_some_and(<[OneTarget]>::is_empty) {
+            // That there is no target follows.
+            left.push(self.whole.place(&[Step::Key("target".into())], At::Value));
+        }
+        once(&mut mistakes);
+        Ok(Runs { runs, included, mistakes, left, warnings })
+    }
+
+    fn variant(&self, target: Option<&OneTarget>, combination: &Combination) -> Variant {
+        let target = target.map(|target| target.name.clone());
+        let matrix = self.axes.map(|_| combination.name.clone()).filter(|name| !name.is_empty());
+        let name = target.iter().chain(&matrix).cloned().collect::<Vec<_>>().join("-");
+        Variant { name, target, matrix, values: combination.values.clone(), shown: combination.shown.clone() }
+    }
+}
+
+/// The variables of all runs.
+#[derive(Default)]
+struct Variables {
+    used: BTreeSet<String>,
+    meant: BTreeSet<String>,
+    defined: Vec<(String, Spot)>,
+}
+
+impl Variables {
+    fn add(&mut self, found: Substituted, mistakes: &mut Vec<Mistake>, left: &mut Vec<Place>) {
+        mistakes.extend(found.mistakes);
+        left.extend(found.left);
+        self.used.extend(found.used);
+        self.meant.extend(found.meant);
+        for (name, spot) in found.defined {
+            if !self.defined.iter().any(|(other, at)| *other == name && at.place() == spot.place()) {
+                self.defined.push((name, spot));
+            }
+        }
+    }
+
+    /// Tells of variables that are used nowhere. One that an option or the matrix sets is a mistake, since it was to change
+    /// something; one of an included file is nothing, since other files may use it.
+    fn unused(&self, file: &Path, axes: &[Axis], mistakes: &mut Vec<Mistake>, warnings: &mut Vec<String>) {
+        let varies = |name: &String| axes.iter().any(|axis| axis.path == [Step::Key("variables".into()), Step::Key(name.clone())]);
+        let used: Vec<&String> = self.used.iter().collect();
+        for (name, spot) in &self.defined {
+            if self.used.contains(name) || self.meant.contains(name) {
+                continue;
+            }
+            let hint = did_you_mean(name, &used).unwrap_or_else(|| format!("use it as `${{{name}}}`, or remove it"));
+            let message = format!("the variable `{name}` is used nowhere");
+            match spot {
+                _ if varies(name) || matches!(spot, Spot::Option(_)) => {
+                    mistakes.push(Mistake::new(Status::BadPipeline, message).at(spot.place()).hint(hint));
+                }
+                Spot::Text(text, _) if text.file != file => {}
+                _ => warnings.push(format!("{}: {message}; {hint}", spot.place())),
+            }
+        }
+    }
+}
+
+/// The settings of the file as a whole, and those of each run.
+fn sort(settings: &[String]) -> (Vec<String>, Vec<String>) {
+    let of_whole = |setting: &&String| {
+        let key = setting.trim_start().split(['.', '=']).next().unwrap_or_default();
+        ["targets", "matrix", "include"].contains(&key.trim())
+    };
+    settings.iter().cloned().partition(|setting| of_whole(&setting))
+}
+
+/// Settings that what makes several runs would undo, or make the same for all.
+fn set_beside(settings: &[String], axes: Option<&[Axis]>, targets: Option<&[OneTarget]>) -> Vec<Mistake> {
+    let mut mistakes = Vec::new();
+    for setting in settings {
+        let Ok((path, _)) = overrides::read(setting) else { continue };
+        let told = |message: String, hint: String| {
+            Mistake::new(Status::Usage, message).at(Place::Option(format!("--set {setting}"))).hint(hint)
+        };
+        let keys = path.iter().map(Step::to_string).collect::<Vec<_>>();
+        if let Some(axis) = axes.unwrap_or_default().iter().find(|axis| path.starts_with(&axis.path) || axis.path.starts_with(&path)) {
+            let hint = format!("vary it otherwise: `--set 'matrix.{}=[…]'`, or not at all: `--set matrix=`", axis.key);
+            mistakes.push(told(format!("`{}` is varied by `matrix`", axis.key), hint));
+        }
+        if let Some(targets) = targets
+            && matches!(&keys[..], [first, ..] if first == "target")
+            && (keys.len() == 1 || keys[1] == "rest")
+        {
+            let name = targets.first().map_or("NAME", |target| &target.name);
+            let hint = format!("say which: `--set targets.{name}.rest=…`");
+            mistakes.push(told("there are several targets, each with its own mesh".into(), hint));
+        }
+    }
+    mistakes
+}
+
+fn is_option(document: &Document, key: &str) -> bool {
+    matches!(document.spot(&[Step::Key(key.into())], At::Value), Spot::Option(_))
+}
+
+/// Leaves out what has been told.
+pub(super) fn once(mistakes: &mut Vec<Mistake>) {
+    let mut told: Vec<Mistake> = Vec::new();
+    for mistake in mistakes.drain(..) {
+        if !told.contains(&mistake) {
+            told.push(mistake);
+        }
+    }
+    *mistakes = told;
+}

@@ -1,0 +1,134 @@
+//! `{target}`, `{matrix}` and `{name}` in the names of files, and where they have to be.
+
+use serde_json::Value;
+
+use super::Variant;
+use crate::{
+    mistake::{Mistake, Place},
+    pipeline::{
+        At, Document, Step,
+        document::path,
+        places::Spot,
+        resolve::{placeholders, stem},
+    },
+    status::Status,
+};
+
+/// The name of a file that a run writes.
+#[derive(Clone, Debug)]
+pub(super) struct Written {
+    spot: Spot,
+    /// With variables, but its placeholders as they are.
+    pattern: String,
+    /// The number of the run.
+    run: usize,
+}
+
+/// Puts names into the paths of `variant`, the run of number `run`; gives those that it writes to.
+pub(super) fn fill(
+    document: &mut Document,
+    variant: &Variant,
+    run: usize,
+    mistakes: &mut Vec<Mistake>,
+) -> Vec<Written> {
+    let mut written = Vec::new();
+    for slot in ["markers", "truth", "keep_correspondence", "output"] {
+        let slot = path([slot]);
+        let within = |step: Step| [&slot[..], &[step]].concat();
+        let at: Vec<Vec<Step>> = match document.get(&slot) {
+            Some(Value::Array(list)) => (0..list.len()).map(|i| within(Step::Index(i))).collect(),
+            Some(Value::Object(map)) => map.keys().map(|key| within(Step::Key(key.clone()))).collect(),
+            _ => vec![slot.clone()],
+        };
+        for at in at {
+            let Some(Value::String(pattern)) = document.get(&at).cloned() else { continue };
+            let spot = document.spot(&at, At::Value).clone();
+            let names = [
+                ("target", &variant.target, "targets"),
+                ("matrix", &variant.matrix, "matrix"),
+                ("name", &Some(variant.name.clone()).filter(|name| !name.is_empty()), "targets` or `matrix"),
+            ];
+            let mut text = pattern.clone();
+            for (placeholder, name, key) in names {
+                let written = format!("{{{placeholder}}}");
+                match name {
+                    Some(name) => text = text.replace(&written, name),
+                    None if placeholders(&pattern).contains(&placeholder) => {
+                        let message = format!("`{written}` without `{key}`");
+                        let mistake = Mistake::new(Status::BadPipeline, message).at(spot.within(&written).place());
+                        mistakes.push(mistake.hint("remove it; it tells several runs apart"));
+                        text = text.replace(&written, placeholder);
+                    }
+                    None => {}
+                }
+            }
+            if let Some(value) = value_mut(&mut document.value, &at) {
+                *value = Value::String(text);
+            }
+            if slot == path(["output"]) || slot == path(["keep_correspondence"]) {
+                written.push(Written { spot, pattern, run });
+            }
+        }
+    }
+    written
+}
+
+/// Patterns by which several runs would write the same file.
+pub(super) fn needed(written: &[Written], variants: &[Variant]) -> Vec<Mistake> {
+    let mut mistakes = Vec::new();
+    let mut seen: Vec<(Place, &str)> = Vec::new();
+    for one in written {
+        let place = one.spot.place();
+        if seen.contains(&(place.clone(), &one.pattern)) {
+            continue;
+        }
+        let same = |other: &&Written| other.pattern == one.pattern && other.spot.place() == place;
+        let runs: Vec<&Variant> = written.iter().filter(same).map(|other| &variants[other.run]).collect();
+        let names = placeholders(&one.pattern);
+        let differ = |of: fn(&Variant) -> &Option<String>| runs.iter().any(|run| of(run) != of(runs[0]));
+        let lacks = |name: &str| !names.contains(&name) && !names.contains(&"name");
+        let target = differ(|run| &run.target) && lacks("target");
+        let matrix = differ(|run| &run.matrix) && lacks("matrix");
+        let (needs, why) = match (target, matrix) {
+            (true, true) => ("{name}", "targets and combinations"),
+            (true, false) => ("{target}", "targets"),
+            (false, true) => ("{matrix}", "combinations"),
+            (false, false) => ("", ""),
+        };
+        if !needs.is_empty() {
+            let message = format!("there are several {why}, so the name of what is written needs `{needs}`");
+            let hint = format!("e.g. `{}`", with(&one.pattern, needs));
+            mistakes.push(Mistake::new(Status::BadPipeline, message).at(place.clone()).hint(hint));
+        }
+        seen.push((place, &one.pattern));
+    }
+    mistakes
+}
+
+/// `pattern` with a placeholder in the name of its file, or of its folder if files are told apart by pose.
+fn with(pattern: &str, placeholder: &str) -> String {
+    let (folder, file) = pattern.rsplit_once('/').map_or(("", pattern), |(folder, file)| (folder, file));
+    let slash = if folder.is_empty() { "" } else { "/" };
+    if file.contains("{pose}") {
+        return format!("{folder}{slash}{placeholder}/{file}");
+    }
+    let stem = stem(file.as_ref());
+    let rest = file.strip_prefix(stem.as_str()).unwrap_or_default();
+    format!("{folder}{slash}{stem}-{placeholder}{rest}")
+}
+
+fn value_mut<'v>(value: &'v mut Value, at: &[Step]) -> Option<&'v mut Value> {
+    at.iter().try_fold(value, |value, step| step.get_mut(value))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn hints_put_the_placeholder_where_it_tells_files_apart() {
+        assert_eq!(with("out/{pose}.obj", "{target}"), "out/{target}/{pose}.obj");
+        assert_eq!(with("out/camel.glb", "{matrix}"), "out/camel-{matrix}.glb");
+        assert_eq!(with("camel.glb", "{name}"), "camel-{name}.glb");
+    }
+}

@@ -1,0 +1,119 @@
+use serde_json::{Map, Value};
+
+use super::{
+    include::{found, wrong},
+    merge::lay_over,
+    names::refused,
+};
+use crate::{
+    mistake::Mistake,
+    pipeline::{
+        At, Document, Step,
+        document::path,
+        parse::SLOTS,
+        places::{Node, Part},
+        words::did_you_mean,
+    },
+};
+
+/// A target with what differs for it.
+#[derive(Debug)]
+pub(super) struct OneTarget {
+    /// Its name.
+    pub name: String,
+    /// What is laid over the pipeline.
+    own: Document,
+}
+
+impl OneTarget {
+    /// The pipeline for this target alone.
+    pub(super) fn of(&self, whole: &Document) -> Document {
+        let mut result = whole.clone();
+        lay_over(&mut result, self.own.clone());
+        result
+    }
+}
+
+/// Takes `targets` out of the pipeline; `None` if it has none.
+pub(super) fn take(document: &mut Document, mistakes: &mut Vec<Mistake>) -> Option<Vec<OneTarget>> {
+    let at = path(["targets"]);
+    let value = document.get(&at)?;
+    let Some(map) = value.as_object().filter(|map| !map.is_empty()) else {
+        let message = format!("`targets`: expected a map of names and meshes, found {}", empty_or(value));
+        let hint = "e.g. `targets: { camel: { rest: camel.obj }, giraffe: { rest: giraffe.obj } }`";
+        mistakes.push(wrong(document, &at, At::Value, message, hint));
+        document.take("targets");
+        return Some(vec![]);
+    };
+    if document.get(&path(["target"])).is_some() {
+        let hint = "name it among the targets and remove `target`; over one that is included write `target: ~`";
+        mistakes.push(wrong(document, &path(["target"]), At::Key, "`target` beside `targets`", hint));
+    }
+    let mut targets = Vec::new();
+    for (name, entry) in map {
+        let at = [&at[..], &[Step::Key(name.clone())]].concat();
+        if let Some(problem) = refused(name) {
+            let hint = "it becomes a part of the names of results: letters, digits, `-` and `_` do everywhere";
+            mistakes.push(wrong(document, &at, At::Key, format!("`{name}` cannot name a target: {problem}"), hint));
+        }
+        match entry {
+            Value::Object(entry) => {
+                targets.push(OneTarget { name: name.clone(), own: own(document, &at, entry, mistakes) });
+            }
+            other => {
+                let message = format!("`{name}`: expected a map of what the target is, found {}", found(other));
+                mistakes.push(wrong(document, &at, At::Value, message, &format!("e.g. `{name}: {{ rest: mesh.obj }}`")));
+            }
+        }
+    }
+    document.take("targets");
+    document.take("target");
+    Some(targets)
+}
+
+/// What an entry says, as a pipeline: the mesh under `target`, the rest as it is.
+fn own(document: &Document, at: &[Step], entry: &Map<String, Value>, mistakes: &mut Vec<Mistake>) -> Document {
+    const MESH: [&str; 2] = ["rest", "sample"];
+    let slots = SLOTS.into_iter().filter(|slot| *slot != "target").chain(["variables"]);
+    let known: Vec<&str> = MESH.into_iter().chain(slots).collect();
+    let spot = document.spot(at, At::Value).clone();
+    let folder = document.folder(at).clone();
+    let whole = Node::leaf(spot.clone(), folder.clone());
+    // Settings of the whole are no settings of the entry, so its place is theirs only where they are its own.
+    let mut root = Node::leaf(document.root.spot.clone(), document.root.folder.clone());
+    let (mut mesh, mut mesh_node, mut slots) = (Map::new(), whole, Map::new());
+    for (key, value) in entry {
+        let at = [at, &[Step::Key(key.clone())]].concat();
+        let step = Step::Key(key.clone());
+        let part = Part { step, key: document.spot(&at, At::Key).clone(), node: node_at(document, &at) };
+        if MESH.contains(&key.as_str()) {
+            mesh_node.put(part);
+            mesh.insert(key.clone(), value.clone());
+        } else if known.contains(&key.as_str()) {
+            root.put(part);
+            slots.insert(key.clone(), value.clone());
+        } else {
+            let hint = did_you_mean(key, &known).unwrap_or_else(|| format!("known keys: {}", known.join(", ")));
+            mistakes.push(wrong(document, &at, At::Key, format!("unknown key `{key}`"), &hint));
+        }
+    }
+    root.put(Part { step: Step::Key("target".into()), key: document.spot(at, At::Key).clone(), node: mesh_node });
+    slots.insert("target".into(), Value::Object(mesh));
+    Document { file: document.file.clone(), value: Value::Object(slots), root }
+}
+
+/// The places of the value at `at`.
+pub(super) fn node_at(document: &Document, at: &[Step]) -> Node {
+    let mut node = &document.root;
+    for step in at {
+        match node.part(step) {
+            Some(part) => node = &part.node,
+            None => return Node::leaf(node.spot.clone(), node.folder.clone()),
+        }
+    }
+    node.clone()
+}
+
+fn empty_or(value: &Value) -> String {
+    if value.as_object().is_some_and(Map::is_empty) { "an empty one".into() } else { found(value) }
+}

@@ -1,0 +1,78 @@
+//! `mimesh new plugin`: what it writes and what it refuses. `tests/adding_a_stage.sh` builds what it writes.
+#![cfg(feature = "bundled")]
+
+mod common;
+
+use common::Project;
+
+#[test]
+fn a_crate_is_written_whole() {
+    let project = Project::new();
+    let said = project.mimesh(&["new", "plugin", "ridge-points", "--stage", "sampler"]);
+    assert_eq!(said.status, 0, "{}", said.err);
+    assert!(said.out.contains("cd ridge-points") && said.out.contains("keypoints pipeline.yaml"), "{}", said.out);
+    assert_eq!(
+        project.names("ridge-points"),
+        [".gitignore", "Cargo.lock", "Cargo.toml", "README.md", "pipeline.yaml", "src", "tests"]
+    );
+    let library = project.read("ridge-points/src/lib.rs");
+    assert!(library.contains("register!(Sampler: RidgePoints);") && library.contains("name = \"ridge_points\""));
+    assert!(project.read("ridge-points/src/main.rs").starts_with("use ridge_points as _;\n"));
+    assert!(project.read("ridge-points/tests/contracts.rs").contains("keeps(\"sampler\", \"ridge_points\")"));
+    let manifest = project.read("ridge-points/Cargo.toml");
+    assert!(manifest.contains("name = \"ridge-points\"") && manifest.contains("\n[workspace]\n"), "{manifest}");
+    assert!(manifest.contains("\nserde = { version") && !manifest.contains("rayon"), "{manifest}");
+}
+
+#[test]
+fn the_folder_of_mimesh_may_be_given_and_is_written_as_it_is_found_from_anywhere() {
+    let project = Project::new();
+    let source = env!("CARGO_MANIFEST_DIR");
+    let given = ["new", "plugin", "ridges", "--path", "here/ridges", "--mimesh", source];
+    let said = project.mimesh(&given);
+    assert_eq!(said.status, 0, "{}", said.err);
+    let manifest = project.read("here/ridges/Cargo.toml");
+    assert!(manifest.contains(&format!("mimesh = {{ path = {} }}", serde_json::json!(source))), "{manifest}");
+    assert!(project.read("here/ridges/src/lib.rs").contains("register!(Transfer: Ridges);"), "a transfer by default");
+
+    let said = project.mimesh(&["new", "plugin", "others", "--mimesh", "here"]);
+    assert_eq!(said.status, 66);
+    assert!(said.err.contains("here: is not the source of mimesh") && said.err.contains("cloned into"), "{}", said.err);
+    assert!(!project.has("others"));
+}
+
+#[test]
+fn nothing_is_overwritten() {
+    let project = Project::new();
+    project.write("ridges/notes.txt", "mine");
+    let said = project.mimesh(&["new", "plugin", "ridges"]);
+    assert_eq!(said.status, 73);
+    assert_eq!(
+        said.err,
+        "error: ridges: exists already\n  hint: nothing is overwritten; give another folder with `--path DIR`\n"
+    );
+    assert_eq!(project.names("ridges"), ["notes.txt"]);
+    std::fs::create_dir(project.path("empty")).expect("a folder");
+    assert_eq!(project.mimesh(&["new", "plugin", "ridges", "--path", "empty"]).status, 0, "an empty folder will do");
+}
+
+#[test]
+fn names_that_cannot_be_are_refused_with_one_that_can() {
+    let project = Project::new();
+    for (name, stage, message, hint) in [
+        ("RidgePoints", "sampler", "cannot name a crate", "e.g. `ridge-points`"),
+        ("../ridges", "sampler", "cannot name a crate", "e.g. `ridges`"),
+        ("", "sampler", "cannot name a crate", "e.g. `my-sampler`"),
+        ("match", "sampler", "has a meaning of its own", "e.g. `my-match`"),
+        ("serde", "sampler", "has a meaning of its own", "e.g. `my-serde`"),
+        ("surface", "sampler", "has a meaning of its own", "e.g. `my-surface`"),
+        ("poisson-disk", "sampler", "there is a sampler `poisson_disk` already", "`mimesh list`"),
+    ] {
+        let said = project.mimesh(&["new", "plugin", name, "--stage", stage]);
+        assert_eq!(said.status, 2, "{name}: {}", said.err);
+        assert!(said.err.contains(message) && said.err.contains(hint), "{name}: {}", said.err);
+        assert!(name.is_empty() || name.starts_with("..") || !project.has(name), "{name}");
+    }
+    let said = project.mimesh(&["new", "plugin", "ridges", "--stage", "samplr"]);
+    assert!(said.status == 2 && said.err.contains("'sampler'"), "{}", said.err);
+}
