@@ -65,8 +65,9 @@ fn a_target_may_differ_in_any_slot() {
 #[test]
 fn source_and_targets_are_read_once_for_all_runs() {
     let project = Project::new();
-    let text = with_targets("targets: { a: { rest: target.obj }, b: { rest: rest.obj } }") + "matrix: { source.poses: [pose-1.obj, pose-2.obj], metrics: [[], [{ type: point_error }]] }\n";
-    project.write("p.yaml", &text.replace("{target}", "{name}").replace("metrics: [[],", "metrics: [[{ type: edge_stretch }],"));
+    let matrix = "matrix: { source.poses: [pose-1.obj, pose-2.obj], transfer.type: [copy_displacement, gradient] }\n";
+    let text = with_targets("targets: { a: { rest: target.obj }, b: { rest: rest.obj } }") + matrix;
+    project.write("p.yaml", &text.replace("{target}", "{name}"));
     let all = prepare_all(&project.path("p.yaml"), &Options::default());
     let all = all.unwrap_or_else(|failure| panic!("{failure}"));
     assert_eq!(all.len(), 8);
@@ -78,7 +79,10 @@ fn source_and_targets_are_read_once_for_all_runs() {
 #[test]
 fn paths_of_an_included_file_are_relative_to_it() {
     let project = Project::new();
-    let base = PIPELINE.replace("rest.obj", "../rest.obj").replace("pose-*", "../pose-*").replace(" target.obj", " ../target.obj");
+    let base = PIPELINE
+        .replace("rest.obj", "../rest.obj")
+        .replace("pose-*", "../pose-*")
+        .replace(" target.obj", " ../target.obj");
     project.write("common/base.yaml", &base.replace("output: out/{pose}.obj\n", ""));
     project.write("p.yaml", "include: common/base.yaml\noutput: out/{pose}.obj\n");
     let said = project.mimesh(&["run", "p.yaml"]);
@@ -105,7 +109,8 @@ fn it_does_not_matter_which_file_includes_which() {
         for (name, text) in files {
             project.write(name, text);
         }
-        let all = prepare_all(&project.path("p.yaml"), &Options::default()).unwrap_or_else(|failure| panic!("{failure}"));
+        let all =
+            prepare_all(&project.path("p.yaml"), &Options::default()).unwrap_or_else(|failure| panic!("{failure}"));
         serde_json::to_value(&all[0].pipeline).unwrap()
     };
     let list = settings(&[("p.yaml", "include: [a.yaml, b.yaml, c.yaml]\n")]);
@@ -154,7 +159,8 @@ fn mistakes_of_an_included_file_are_told_in_it() {
 #[test]
 fn variables_are_set_from_the_command_line_with_their_type() {
     let project = Project::new();
-    let text = PIPELINE.replace("copy_displacement", "gradient, reweightings: ${steps}") + "variables: { steps: 2, out: out }\n";
+    let text = PIPELINE.replace("copy_displacement", "gradient, reweightings: ${steps}")
+        + "variables: { steps: 2, out: out }\n";
     project.write("p.yaml", &text.replace("out/{pose}", "${out}/s${steps}-{pose}"));
     let said = project.mimesh(&["run", "p.yaml", "--set", "variables.steps=1", "--json"]);
     assert_eq!(said.status, 0, "{}", said.err);
@@ -163,7 +169,7 @@ fn variables_are_set_from_the_command_line_with_their_type() {
     assert_eq!(
         mistakes(&project, &["variables.steps=few", "variables.step=1"]),
         [
-            "p.yaml:4:45: `reweightings`: expected a whole number, 0 or more, found the text \"few\"",
+            "p.yaml:4:43: `reweightings`: expected a whole number, 0 or more, found the text \"few\"",
             "--set variables.step=1: the variable `step` is used nowhere",
         ]
     );
@@ -172,7 +178,10 @@ fn variables_are_set_from_the_command_line_with_their_type() {
 #[test]
 fn a_variable_that_is_used_nowhere_is_a_warning_with_what_may_be_meant() {
     let project = Project::new();
-    project.write("p.yaml", &(PIPELINE.replace("out/{pose}", "${folder}/{pose}") + "variables: { folder: out, foldr: x }\n"));
+    project.write(
+        "p.yaml",
+        &(PIPELINE.replace("out/{pose}", "${folder}/{pose}") + "variables: { folder: out, foldr: x }\n"),
+    );
     let said = project.mimesh(&["check", "p.yaml"]);
     assert_eq!(said.status, 0);
     assert_eq!(said.err, "warning: p.yaml:6:27: the variable `foldr` is used nowhere; did you mean `folder`?\n");
@@ -193,8 +202,8 @@ fn the_environment_is_read_only_where_it_is_named() {
 fn sweep(project: &Project) {
     project.write("bad.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
     let text = PIPELINE.replace("out/{pose}.obj", "out/{matrix}.glb")
-        + "truth: pose-1.obj\nmatrix: { source.poses: [pose-1.obj, bad.obj], transfer: [{ type: gradient }, { type: copy_displacement }] }\n";
-    project.write("p.yaml", &text.replace("truth: pose-1.obj\n", ""));
+        + "matrix:\n  source.poses: [pose-1.obj, bad.obj]\n  transfer: [{ type: gradient }, { type: copy_displacement }]\n";
+    project.write("p.yaml", &text);
 }
 
 #[test]
@@ -215,7 +224,10 @@ fn a_run_that_fails_does_not_stop_the_others() {
     assert_eq!(ends, ["done", "done", "failed", "failed"]);
     assert!(table.last().unwrap().starts_with("2 of 4 runs done, 2 failed, in "), "{}", said.out);
     let csv = project.read("results.csv");
-    assert!(csv.starts_with("source.poses,transfer,seconds,status\npose-1.obj,\"{\"\"type\"\":\"\"gradient\"\"}\","), "{csv}");
+    assert!(
+        csv.starts_with("source.poses,transfer,seconds,status\npose-1.obj,\"{\"\"type\"\":\"\"gradient\"\"}\","),
+        "{csv}"
+    );
 }
 
 #[test]
@@ -239,9 +251,15 @@ fn results_are_json_and_tables_in_files_too() {
     assert_eq!(results["runs"][1]["matrix"]["transfer"], json!({ "type": "copy_displacement" }));
     assert_eq!(results["runs"][1]["report"]["status"], "done");
     let markdown = project.read("t/results.md");
-    assert!(markdown.starts_with("| poses | transfer | seconds | status |\n| --- | --- | ---: | ---: |\n"), "{markdown}");
+    assert!(
+        markdown.starts_with("| poses | transfer | seconds | status |\n| --- | --- | ---: | ---: |\n"),
+        "{markdown}"
+    );
     let wrong = project.mimesh(&["run", "p.yaml", "--table", "results.txt"]);
-    assert_eq!((wrong.status, wrong.err.lines().next()), (2, Some("error: --table results.txt: a table is written as .csv or .md")));
+    assert_eq!(
+        (wrong.status, wrong.err.lines().next()),
+        (2, Some("error: --table results.txt: a table is written as .csv or .md"))
+    );
     assert_eq!(project.mimesh(&["run", "p.yaml", "--table", "rest.obj/x.csv"]).status, 73);
 }
 
@@ -293,7 +311,7 @@ output: out/{pose}.obj
 ",
     );
     assert_eq!(
-        mistakes(&project, &["transfer.tolerance=1", "target.rest=x.obj", "variables.stpes=2", "source.pose=x"]),
+        mistakes(&project, &["transfer.tolerance=1", "variables.other=2", "source.pose=x"]),
         [
             "p.yaml:3:26: unknown key `trth`",
             "p.yaml:4:14: no such file: tarset.obj",
@@ -311,8 +329,7 @@ output: out/{pose}.obj
             "p.yaml:17:20: `transfer.smooth`: expected a list of values, found 3",
             "p.yaml:18:9: there are several targets and combinations, so the name of what is written needs `{name}`",
             "--set transfer.tolerance=1: `transfer.tolerance` is varied by `matrix`",
-            "--set target.rest=x.obj: there are several targets, each with its own mesh",
-            "--set variables.stpes=2: the variable `stpes` is used nowhere",
+            "--set variables.other=2: the variable `other` is used nowhere",
             "--set source.pose=x: unknown key `pose`",
         ]
     );
@@ -325,7 +342,10 @@ fn what_is_wrong_with_some_runs_only_says_with_which() {
     project.write("p.yaml", &with_targets("targets: { a: { rest: target.obj }, b: { rest: small.obj } }"));
     let said = mistakes(&project, &[]);
     assert_eq!(said.len(), 1, "{said:?}");
-    assert!(said[0].starts_with("p.yaml:3:17: correspondence (identity): ") && said[0].ends_with(" (of `b`)"), "{said:?}");
+    assert!(
+        said[0].starts_with("p.yaml:3:17: correspondence (identity): ") && said[0].ends_with(" (of `b`)"),
+        "{said:?}"
+    );
 }
 
 #[test]
@@ -337,19 +357,39 @@ fn keys_that_do_not_go_together_are_told() {
     };
     let both = PIPELINE.to_owned() + "targets: { a: { rest: target.obj } }\n";
     told(&both, &["p.yaml:2:1: `target` beside `targets`"]);
-    told(&with_targets("targets: {}"), &["p.yaml:2:10: `targets`: expected a map of names and meshes, found an empty one"]);
+    told(
+        &with_targets("targets: {}"),
+        &["p.yaml:2:10: `targets`: expected a map of names and meshes, found an empty one"],
+    );
     told(&PIPELINE.replace("out/", "out/{target}/"), &["p.yaml:5:13: `{target}` without `targets`"]);
-    told(&(PIPELINE.to_owned() + "matrix: [1]\n"), &["p.yaml:6:9: `matrix`: expected a map of keys and lists, found a list"]);
-    told(&(PIPELINE.to_owned() + "variables: x\n"), &["p.yaml:6:12: `variables`: expected a map of names and values, found the text \"x\""]);
-    let collide = with_targets("targets: { a: { rest: target.obj }, b: { rest: rest.obj, output: 'out/a/{pose}.obj' } }");
+    told(
+        &(PIPELINE.to_owned() + "matrix: [1]\n"),
+        &["p.yaml:6:9: `matrix`: expected a map of keys and lists, found a list"],
+    );
+    told(
+        &(PIPELINE.to_owned() + "variables: x\n"),
+        &["p.yaml:6:12: `variables`: expected a map of names and values, found the text \"x\""],
+    );
+    project.write("p.yaml", &with_targets("targets: { a: { rest: target.obj } }"));
+    let both = mistakes(&project, &["target.rest=x.obj", "include=a.yaml"]);
+    assert!(
+        both[0].ends_with("--set target.rest=x.obj: there are several targets, each with its own mesh"),
+        "{both:?}"
+    );
+    let collide =
+        with_targets("targets: { a: { rest: target.obj }, b: { rest: rest.obj, output: 'out/a/{pose}.obj' } }");
     told(&collide, &["p.yaml: out/a/1.obj would be written by two runs, `a` and `b`"]);
 }
 
 #[test]
 fn keypoints_see_through_includes_and_variables() {
     let project = Project::new();
-    project.write("base.yaml", "source: { sample: { type: quadruped, resolution: ${n}, frames: 3 } }\nvariables: { n: 12 }\n");
-    project.write("p.yaml", "include: base.yaml\nkey_points: { type: greedy, max_count: 2 }\ntargets: { a: {}, b: {} }\n");
+    project.write(
+        "base.yaml",
+        "source: { sample: { type: quadruped, resolution: ${n}, frames: 3 } }\nvariables: { n: 20 }\n",
+    );
+    project
+        .write("p.yaml", "include: base.yaml\nkey_points: { type: greedy, max_count: 2 }\ntargets: { a: {}, b: {} }\n");
     let said = project.mimesh(&["keypoints", "p.yaml", "--output", "k.yaml", "--quiet"]);
     assert_eq!(said.status, 0, "{}", said.err);
     assert!(project.has("k.yaml"));

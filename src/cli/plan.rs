@@ -42,7 +42,10 @@ impl PlanRun {
             ([plan], true) => terminal::print_json(plan),
             ([plan], false) => terminal::print(&text(plan)),
             (_, true) => {
-                let named = all.iter().zip(&plans).map(|(prepared, plan)| json!({ "run": prepared.variant.name, "plan": plan }));
+                let named = all
+                    .iter()
+                    .zip(&plans)
+                    .map(|(prepared, plan)| json!({ "run": prepared.variant.name, "plan": plan }));
                 terminal::print_json(&named.collect::<Vec<_>>());
             }
             (_, false) => {

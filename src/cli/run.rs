@@ -129,7 +129,10 @@ impl Run {
     /// Warnings that have not been told yet, where anything is told.
     fn warn(&self, warnings: &[String], told: &mut HashSet<String>) {
         if !self.json && !self.quiet {
-            warnings.iter().filter(|warning| told.insert((*warning).clone())).for_each(|warning| terminal::warn(warning));
+            warnings
+                .iter()
+                .filter(|warning| told.insert((*warning).clone()))
+                .for_each(|warning| terminal::warn(warning));
         }
     }
 

@@ -80,7 +80,8 @@ pub fn of(report: &Report, path: &Path) -> String {
 /// The table of the runs of one file.
 pub fn of_all(results: &Results) -> String {
     let mut text = table(&results.table());
-    let measured = results.rows.iter().any(|row| matches!(&row.ended, Ended::Report(report) if !report.metrics.is_empty()));
+    let measured =
+        results.rows.iter().any(|row| matches!(&row.ended, Ended::Report(report) if !report.metrics.is_empty()));
     if measured {
         text += "  metrics are averages over poses, in their own units (`mimesh show metric TYPE`)\n";
     }

@@ -127,9 +127,11 @@ impl Slots<'_> {
 
     /// Whether the transfer is one that looks at no correspondence.
     fn does_without_correspondence(&self) -> bool {
-        let name = self.document.value.get("transfer").and_then(|transfer| transfer.get("type")?.as_str());
-        let transfer = name.and_then(plugin::instance::<dyn Transfer>);
-        transfer.is_some_and(|transfer| !transfer.needs_correspondence())
+        let transfer = self.document.value.get("transfer");
+        let default = || plugin::instance::<dyn Transfer>(transfer?.get("type")?.as_str()?);
+        // What is nested in it may say so; where its settings are wrong, the default of its type must do.
+        let transfer = transfer.and_then(|settings| plugin::configured(settings.clone())).or_else(default);
+        transfer.is_some_and(|transfer: Box<dyn Transfer>| !transfer.needs_correspondence())
     }
 
     fn optional<T: DeserializeOwned>(&mut self, key: &str) -> Option<T> {

@@ -90,7 +90,12 @@ impl Check<'_> {
         }
     }
 
-    pub(super) fn side(&mut self, name: &'static str, rest: Option<&Path>, sample: Option<&dyn Sample>) -> Option<Side> {
+    pub(super) fn side(
+        &mut self,
+        name: &'static str,
+        rest: Option<&Path>,
+        sample: Option<&dyn Sample>,
+    ) -> Option<Side> {
         let slot = path([name]);
         match (rest, sample) {
             (Some(_), Some(_)) => {

@@ -165,10 +165,10 @@ fn one(
     let truth = check.truth(pipeline.truth.as_deref(), target.map(Arc::as_ref), &poses);
     let metrics = check.metrics(pipeline.metrics.take(), &truth);
     check.stages(&mut pipeline, source.map(Arc::as_ref), target.map(Arc::as_ref), markers.as_deref());
-    let out = options.out.as_deref().map(|typed| Out {
-        typed,
-        folder: if several { typed.join(&variant.name) } else { typed.into() },
-    });
+    let out = options
+        .out
+        .as_deref()
+        .map(|typed| Out { typed, folder: if several { typed.join(&variant.name) } else { typed.into() } });
     let outputs = check.outputs(&pipeline, &poses, out.as_ref());
     if !check.mistakes.is_empty() {
         return Err(Failure { mistakes: check.mistakes });

@@ -50,8 +50,10 @@ impl Check<'_> {
         };
         // An item that is no text has been told, and an empty one stands in its place.
         let items = pipeline.output.items.iter().enumerate().filter(|(_, item)| !item.is_empty());
-        let patterns: Vec<(usize, PathBuf)> = items.map(|(i, item)| (i, place(&output_at(pipeline, i), Path::new(item)))).collect();
-        let correspondence = pipeline.keep_correspondence.as_deref().map(|file| place(&path(["keep_correspondence"]), file));
+        let patterns: Vec<(usize, PathBuf)> =
+            items.map(|(i, item)| (i, place(&output_at(pipeline, i), Path::new(item)))).collect();
+        let correspondence =
+            pipeline.keep_correspondence.as_deref().map(|file| place(&path(["keep_correspondence"]), file));
         let mut outputs = Outputs { meshes: vec![], correspondence, report: PathBuf::new() };
         let read = self.inputs.iter().map(|input| (resolve::identity(&input.path), input.role));
         let mut places = Places { read: read.collect(), out: out.map(|out| out.typed), ..Places::default() };

@@ -59,5 +59,12 @@ pub fn prepare_source(file: &Path, options: &Options) -> Result<PreparedSource> 
         return Err(document.mistake(&[], At::Value, "missing key `key_points`").hint(hint).into());
     };
     let markers = pipeline.markers.as_ref().and_then(|files| check.marker_files(files).one().cloned());
-    Ok(PreparedSource { source, poses, formats: check.formats, key_points, markers, target: pipeline.target.rest.filter(|_| targets == 1) })
+    Ok(PreparedSource {
+        source,
+        poses,
+        formats: check.formats,
+        key_points,
+        markers,
+        target: pipeline.target.rest.filter(|_| targets == 1),
+    })
 }

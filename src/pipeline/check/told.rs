@@ -58,13 +58,17 @@ impl Told {
                 continue;
             }
             let mut kind = mistake.message.clone();
-            let own = [(&Some(variant.name.clone()), "{name}"), (&variant.target, "{target}"), (&variant.matrix, "{matrix}")];
+            let own =
+                [(&Some(variant.name.clone()), "{name}"), (&variant.target, "{target}"), (&variant.matrix, "{matrix}")];
             for (name, placeholder) in own {
                 if let Some(name) = name.as_ref().filter(|name| !name.is_empty()) {
                     kind = kind.replace(name.as_str(), placeholder);
                 }
             }
-            match self.found.iter_mut().find(|found| found.kind == kind && found.mistake.place == mistake.place) {
+            let same = |found: &&mut Found| {
+                found.mistake.place == mistake.place && (found.mistake.message == mistake.message || found.kind == kind)
+            };
+            match self.found.iter_mut().find(same) {
                 Some(found) if found.runs.last() != Some(&run) => found.runs.push(run),
                 Some(_) => {}
                 None => self.found.push(Found { mistake, kind, runs: vec![run] }),

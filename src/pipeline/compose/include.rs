@@ -64,13 +64,15 @@ impl Reader {
                     self.mistakes.push(included.mistake(&[], At::Value, message));
                 }
                 // That it is not there is said where it is named.
-                Err(failure) => self.mistakes.extend(failure.mistakes.into_iter().map(|mistake| match &mistake.place {
-                    Some(Place::File(_)) => {
-                        let message = format!("{}: {}", mistake.message, file.display());
-                        Mistake { message, ..mistake }.at(own.place(&at, At::Value))
-                    }
-                    _ => mistake,
-                })),
+                Err(failure) => {
+                    self.mistakes.extend(failure.mistakes.into_iter().map(|mistake| match &mistake.place {
+                        Some(Place::File(_)) => {
+                            let message = format!("{}: {}", mistake.message, file.display());
+                            Mistake { message, ..mistake }.at(own.place(&at, At::Value))
+                        }
+                        _ => mistake,
+                    }))
+                }
             }
         }
         if own.value.is_object() {

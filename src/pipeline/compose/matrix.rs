@@ -63,13 +63,23 @@ pub(super) fn take(document: &mut Document, mistakes: &mut Vec<Mistake>) -> Opti
             mistakes.push(wrong(document, at, point, message, hint));
         };
         let Some(path) = split(key) else {
-            tell(&at, At::Key, format!("`{key}` is no path of keys"), "keys are joined by single dots, e.g. `source.rest`");
+            tell(
+                &at,
+                At::Key,
+                format!("`{key}` is no path of keys"),
+                "keys are joined by single dots, e.g. `source.rest`",
+            );
             continue;
         };
         if let Some(Step::Key(first)) = path.first()
             && ["include", "targets", "matrix"].contains(&first.as_str())
         {
-            tell(&at, At::Key, format!("`{first}` cannot vary"), "a matrix varies the keys of single runs, e.g. `transfer.type`");
+            tell(
+                &at,
+                At::Key,
+                format!("`{first}` cannot vary"),
+                "a matrix varies the keys of single runs, e.g. `transfer.type`",
+            );
             continue;
         }
         let list = match value {
@@ -89,7 +99,12 @@ pub(super) fn take(document: &mut Document, mistakes: &mut Vec<Mistake>) -> Opti
         for (i, (value, name)) in list.iter().zip(names::of_values(list)).enumerate() {
             let at = [&at[..], &[Step::Index(i)]].concat();
             if values.iter().any(|(other, ..)| other == value) {
-                tell(&at, At::Value, format!("`{key}`: {} stands here a second time", plain(value)), "remove one of the two");
+                tell(
+                    &at,
+                    At::Value,
+                    format!("`{key}`: {} stands here a second time", plain(value)),
+                    "remove one of the two",
+                );
             }
             let key = document.spot(&at[..at.len() - 1], At::Key).clone();
             values.push((value.clone(), Part { step: Step::Index(0), key, node: node_at(document, &at) }, name));

@@ -9,9 +9,11 @@ use crate::pipeline::{
 /// `type`. Nothing (`markers: ~`) over a key of the whole takes it out.
 pub(super) fn lay_over(base: &mut Document, own: Document) {
     let taken_out: Vec<String> = match (&base.value, &own.value) {
-        (Value::Object(base), Value::Object(own)) => {
-            own.iter().filter(|(key, value)| value.is_null() && base.contains_key(*key)).map(|(k, _)| k.clone()).collect()
-        }
+        (Value::Object(base), Value::Object(own)) => own
+            .iter()
+            .filter(|(key, value)| value.is_null() && base.contains_key(*key))
+            .map(|(k, _)| k.clone())
+            .collect(),
         _ => vec![],
     };
     lay(&mut base.value, &mut base.root, own.value, own.root);
@@ -22,7 +24,9 @@ pub(super) fn lay_over(base: &mut Document, own: Document) {
 
 fn lay(value: &mut Value, node: &mut Node, own: Value, mut own_node: Node) {
     match (value, own) {
-        (Value::Object(map), Value::Object(own)) if !own.get("type").is_some_and(|own| map.get("type") != Some(own)) => {
+        (Value::Object(map), Value::Object(own))
+            if !own.get("type").is_some_and(|own| map.get("type") != Some(own)) =>
+        {
             for (key, own) in own {
                 let step = Step::Key(key);
                 let Part { key: key_spot, node: own_node, .. } = own_node.take(&step);
@@ -86,12 +90,20 @@ mod tests {
         assert_eq!(merged(&["a: 1\nb: { c: 1 }\n", "a: ~\nb: { c: ~ }\n"]), json!({ "b": { "c": null } }));
     }
 
+    /// Maps in which `a` and `b` are maps and `x` and `y` are none, as a key is of one kind in all pipelines.
     fn maps() -> impl Strategy<Value = Value> {
-        let leaf = prop_oneof![(0..3i32).prop_map(Value::from), Just(json!([1])), Just(json!("x"))];
-        leaf.prop_recursive(3, 24, 4, |inner| {
-            prop::collection::btree_map("[abc]", inner, 0..4).prop_map(|map| json!(map))
+        let leaves = || {
+            let leaf = prop_oneof![(0..3i32).prop_map(Value::from), Just(json!([1])), Just(json!("t"))];
+            prop::collection::btree_map("[xy]", leaf, 0..3)
+        };
+        leaves().prop_map(|map| json!(map)).prop_recursive(3, 24, 4, move |inner| {
+            let maps = prop::collection::btree_map("[ab]", inner, 0..3);
+            (leaves(), maps).prop_map(|(leaves, maps)| {
+                let mut all = leaves;
+                all.extend(maps);
+                json!(all)
+            })
         })
-        .prop_map(|value| if value.is_object() { value } else { json!({ "a": value }) })
     }
 
     fn over(base: &Value, own: &Value) -> Value {
@@ -99,8 +111,8 @@ mod tests {
     }
 
     proptest! {
-        /// Without stages, whose types may begin anew, laying maps over each other is associative, so that it does not
-        /// matter which file includes which.
+        /// Without stages, whose types may begin anew, and unless what is a map in one file is none in another, laying maps over
+        /// each other is associative, so that it does not matter which file includes which.
         #[test]
         fn merging_is_associative(a in maps(), b in maps(), c in maps()) {
             prop_assert_eq!(over(&over(&a, &b), &c), over(&a, &over(&b, &c)));

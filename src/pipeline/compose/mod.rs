@@ -27,13 +27,7 @@ use self::{
     targets::OneTarget,
     variables::Substituted,
 };
-use super::{
-    At, Document, Step,
-    document::type_first,
-    overrides,
-    places::Spot,
-    words::did_you_mean,
-};
+use super::{At, Document, Step, document::type_first, overrides, places::Spot, words::did_you_mean};
 use crate::{
     mistake::{Failure, Mistake, Place, Result},
     status::Status,
@@ -92,11 +86,10 @@ pub fn compose(file: &Path, settings: &[String]) -> Result<Runs> {
     let (mut whole, included) = include::read(file)?;
     let (of_whole, of_runs) = sort(settings);
     overrides::apply(&mut whole, &of_whole).map_err(|mistakes| Failure { mistakes })?;
-    for key in ["targets", "matrix"] {
-        // Set to nothing, as if the file had not said it.
-        if whole.value.get(key).is_some_and(Value::is_null) && is_option(&whole, key) {
-            whole.take(key);
-        }
+    // A matrix set to nothing is an empty one.
+    let at = [Step::Key("matrix".into())];
+    if whole.get(&at).is_some_and(Value::is_null) && matches!(whole.spot(&at, At::Value), Spot::Option(_)) {
+        whole.value["matrix"] = Value::Object(serde_json::Map::new());
     }
     let mut mistakes = Vec::new();
     if let Some((_, part)) = whole.take("include") {
@@ -147,6 +140,7 @@ impl Work<'_> {
             Some([]) | None => vec![None],
             Some(targets) => targets.iter().map(Some).collect(),
         };
+        let declared = [self.targets.is_some(), self.axes.is_some()];
         let (mut runs, mut written, mut left) = (Vec::new(), Vec::<Written>::new(), Vec::new());
         let mut variables = Variables::default();
         let mut not_set = Vec::new();
@@ -162,7 +156,7 @@ impl Work<'_> {
                 mistakes.extend(matrix::apply(&mut document, axes, combination));
                 let found = variables::substitute(&mut document);
                 let variant = self.variant(target, combination);
-                written.extend(placeholders::fill(&mut document, &variant, runs.len(), &mut mistakes));
+                written.extend(placeholders::fill(&mut document, &variant, runs.len(), declared, &mut mistakes));
                 document.value = type_first(std::mem::take(&mut document.value));
                 variables.add(found, &mut mistakes, &mut left);
                 runs.push(OneRun { variant, document });
@@ -216,7 +210,9 @@ impl Variables {
     /// Tells of variables that are used nowhere. One that an option or the matrix sets is a mistake, since it was to change
     /// something; one of an included file is nothing, since other files may use it.
     fn unused(&self, file: &Path, axes: &[Axis], mistakes: &mut Vec<Mistake>, warnings: &mut Vec<String>) {
-        let varies = |name: &String| axes.iter().any(|axis| axis.path == [Step::Key("variables".into()), Step::Key(name.clone())]);
+        let varies = |name: &String| {
+            axes.iter().any(|axis| axis.path == [Step::Key("variables".into()), Step::Key(name.clone())])
+        };
         let used: Vec<&String> = self.used.iter().collect();
         for (name, spot) in &self.defined {
             if self.used.contains(name) || self.meant.contains(name) {
@@ -253,7 +249,9 @@ fn set_beside(settings: &[String], axes: Option<&[Axis]>, targets: Option<&[OneT
             Mistake::new(Status::Usage, message).at(Place::Option(format!("--set {setting}"))).hint(hint)
         };
         let keys = path.iter().map(Step::to_string).collect::<Vec<_>>();
-        if let Some(axis) = axes.unwrap_or_default().iter().find(|axis| path.starts_with(&axis.path) || axis.path.starts_with(&path)) {
+        if let Some(axis) =
+            axes.unwrap_or_default().iter().find(|axis| path.starts_with(&axis.path) || axis.path.starts_with(&path))
+        {
             let hint = format!("vary it otherwise: `--set 'matrix.{}=[…]'`, or not at all: `--set matrix=`", axis.key);
             mistakes.push(told(format!("`{}` is varied by `matrix`", axis.key), hint));
         }
@@ -267,10 +265,6 @@ fn set_beside(settings: &[String], axes: Option<&[Axis]>, targets: Option<&[OneT
         }
     }
     mistakes
-}
-
-fn is_option(document: &Document, key: &str) -> bool {
-    matches!(document.spot(&[Step::Key(key.into())], At::Value), Spot::Option(_))
 }
 
 /// Leaves out what has been told.

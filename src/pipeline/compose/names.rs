@@ -81,6 +81,9 @@ mod tests {
 
     #[test]
     fn names_that_no_file_can_have_are_refused() {
-        assert_eq!(["camel", "", ".x", "a/b", "größe"].map(|name| refused(name).is_some()), [false, true, true, true, false]);
+        assert_eq!(
+            ["camel", "", ".x", "a/b", "größe"].map(|name| refused(name).is_some()),
+            [false, true, true, true, false]
+        );
     }
 }

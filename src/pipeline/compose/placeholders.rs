@@ -24,13 +24,25 @@ pub(super) struct Written {
     run: usize,
 }
 
-/// Puts names into the paths of `variant`, the run of number `run`; gives those that it writes to.
+/// What the name is of one of several that is the only one.
+const ALONE: &str = "default";
+
+/// Puts names into the paths of `variant`, the run of number `run`; gives those that it writes to. `declared` says whether the
+/// file has `targets` and a `matrix`, which may be empty.
 pub(super) fn fill(
     document: &mut Document,
     variant: &Variant,
     run: usize,
+    declared: [bool; 2],
     mistakes: &mut Vec<Mistake>,
 ) -> Vec<Written> {
+    let or_alone = |name: &Option<String>, declared: bool| name.clone().or_else(|| declared.then(|| ALONE.to_owned()));
+    let whole = Some(variant.name.clone()).filter(|name| !name.is_empty());
+    let names = [
+        ("target", or_alone(&variant.target, declared[0]), "targets"),
+        ("matrix", or_alone(&variant.matrix, declared[1]), "matrix"),
+        ("name", or_alone(&whole, declared[0] || declared[1]), "targets` or `matrix"),
+    ];
     let mut written = Vec::new();
     for slot in ["markers", "truth", "keep_correspondence", "output"] {
         let slot = path([slot]);
@@ -43,17 +55,12 @@ pub(super) fn fill(
         for at in at {
             let Some(Value::String(pattern)) = document.get(&at).cloned() else { continue };
             let spot = document.spot(&at, At::Value).clone();
-            let names = [
-                ("target", &variant.target, "targets"),
-                ("matrix", &variant.matrix, "matrix"),
-                ("name", &Some(variant.name.clone()).filter(|name| !name.is_empty()), "targets` or `matrix"),
-            ];
             let mut text = pattern.clone();
-            for (placeholder, name, key) in names {
+            for (placeholder, name, key) in &names {
                 let written = format!("{{{placeholder}}}");
                 match name {
                     Some(name) => text = text.replace(&written, name),
-                    None if placeholders(&pattern).contains(&placeholder) => {
+                    None if placeholders(&pattern).contains(placeholder) => {
                         let message = format!("`{written}` without `{key}`");
                         let mistake = Mistake::new(Status::BadPipeline, message).at(spot.within(&written).place());
                         mistakes.push(mistake.hint("remove it; it tells several runs apart"));

@@ -94,7 +94,8 @@ impl Results {
     /// For other programs: all figures in full, keys and values as they were written.
     pub fn csv(&self) -> String {
         let columns = self.columns();
-        let headings: Vec<String> = columns.iter().map(|column| format!("{}.{}", column.metric, column.figure)).collect();
+        let headings: Vec<String> =
+            columns.iter().map(|column| format!("{}.{}", column.metric, column.figure)).collect();
         let value = |row: &Row, i: usize| {
             let value = row.variant.values.get(i).map(|(_, value)| value);
             value.map(|value| value.as_str().map_or_else(|| value.to_string(), str::to_owned)).unwrap_or_default()
@@ -198,7 +199,8 @@ impl Results {
         heading.extend(keys.iter().chain(headings).cloned().chain(["seconds".into(), "status".into()]));
         let mut rows = vec![heading];
         for row in &self.rows {
-            let mut cells: Vec<String> = target.then(|| row.variant.target.clone().unwrap_or_default()).into_iter().collect();
+            let mut cells: Vec<String> =
+                target.then(|| row.variant.target.clone().unwrap_or_default()).into_iter().collect();
             cells.extend((0..keys.len()).map(|i| value(row, i)));
             cells.extend(columns.iter().map(|column| row.average(column).map(&figure).unwrap_or_else(|| "-".into())));
             cells.extend([format!("{:.2}", row.seconds), row.status().into()]);

@@ -51,7 +51,9 @@ pub fn schema() -> Value {
         or(&mut slots[slot], json!({ "$ref": "#/$defs/Settings" }));
     }
     let mut entry = properties(&target);
-    entry.extend(slots.iter().filter(|(slot, _)| *slot != "target").map(|(slot, schema)| (slot.clone(), schema.clone())));
+    entry.extend(
+        slots.iter().filter(|(slot, _)| *slot != "target").map(|(slot, schema)| (slot.clone(), schema.clone())),
+    );
     entry.insert("variables".into(), own["variables"].clone());
     own["targets"]["minProperties"] = json!(1);
     own["targets"]["additionalProperties"] = json!({ "$ref": "#/$defs/TargetEntry" });

@@ -62,7 +62,13 @@ pub(super) fn take(document: &mut Document, mistakes: &mut Vec<Mistake>) -> Opti
             }
             other => {
                 let message = format!("`{name}`: expected a map of what the target is, found {}", found(other));
-                mistakes.push(wrong(document, &at, At::Value, message, &format!("e.g. `{name}: {{ rest: mesh.obj }}`")));
+                mistakes.push(wrong(
+                    document,
+                    &at,
+                    At::Value,
+                    message,
+                    &format!("e.g. `{name}: {{ rest: mesh.obj }}`"),
+                ));
             }
         }
     }

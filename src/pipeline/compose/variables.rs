@@ -259,7 +259,8 @@ mod tests {
 
     #[test]
     fn what_is_not_there_is_told_at_its_own_place() {
-        let text = "variables: { lambda: 1, m: {} }\na: x-${lamda}.obj\nb: '${m}/x'\nc: a${b\nd: ${env:MIMESH_NOT_SET}\n";
+        let text =
+            "variables: { lambda: 1, m: {} }\na: x-${lamda}.obj\nb: '${m}/x'\nc: a${b\nd: ${env:MIMESH_NOT_SET}\n";
         assert_eq!(
             put_in(text).1,
             [
