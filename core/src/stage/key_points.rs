@@ -73,7 +73,7 @@ pub struct ChoiceStep {
 pub struct Chosen {
     /// The points, in the order in which they were added.
     pub points: Vec<SurfacePoint>,
-    /// Every step that was kept.
+    /// Every step that was kept, the last of which is the result; none where no error is known, as of given points.
     pub steps: Vec<ChoiceStep>,
     /// What was found.
     pub figures: Figures,

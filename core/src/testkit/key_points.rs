@@ -67,6 +67,8 @@ fn holds(name: &str, chosen: &Chosen, vertices: usize) {
     for pair in chosen.steps.windows(2) {
         assert!(pair[1].error <= pair[0].error, "{name}: the error rises: {} to {}", pair[0].error, pair[1].error);
     }
-    let last = chosen.steps.last().map(|step| &step.points);
-    assert_eq!(last, Some(&chosen.points), "{name}: the last step is the result");
+    // What looks at no pose has no steps to tell.
+    if let Some(last) = chosen.steps.last() {
+        assert_eq!(last.points, chosen.points, "{name}: the last step is the result");
+    }
 }

@@ -3,7 +3,17 @@
 use mimesh_core::{
     Error, Result,
     mesh::{Surface, SurfacePoint},
+    stage::KeyPointsInput,
 };
+
+/// Checks that there are poses, and that they are poses of the source.
+pub fn check_poses(input: KeyPointsInput<'_>) -> Result<()> {
+    if input.poses.is_empty() {
+        return Err(Error::data("no poses to choose key points for", "give the source poses"));
+    }
+    let count = input.source.vertex_count();
+    input.poses.iter().try_for_each(|pose| Error::check_shape("vertices of a pose (#V)", count, pose.len()))
+}
 
 /// Checks that points to start from exist.
 pub fn check(source: &Surface, start: &[SurfacePoint]) -> Result<()> {

@@ -34,6 +34,7 @@ impl Default for Given {
 impl KeyPoints for Given {
     fn choose(&self, input: KeyPointsInput<'_>, _: &dyn ChoiceWatch) -> Result<Chosen> {
         Error::check_setting("max_count", self.max_count as f64, 1.0, f64::INFINITY)?;
+        candidates::check_poses(input)?;
         candidates::check(input.source, input.start)?;
         let sampled = nested("sampler", &self.sampler, "farthest_point")?.sample(input.source)?;
         let mut figures = Figures::default();

@@ -101,12 +101,7 @@ impl KeyPoints for Greedy {
         Error::check_setting("max_count", self.max_count as f64, 1.0, f64::INFINITY)?;
         Error::check_setting("shortlist", self.shortlist as f64, 1.0, f64::INFINITY)?;
         let KeyPointsInput { source, poses, start } = input;
-        if poses.is_empty() {
-            return Err(Error::data("no poses to choose key points for", "give the source poses"));
-        }
-        for pose in poses {
-            Error::check_shape("vertices of a pose (#V)", source.vertex_count(), pose.len())?;
-        }
+        candidates::check_poses(input)?;
         candidates::check(source, start)?;
         let sampler = nested("sampler", &self.sampler, "farthest_point")?;
         let weights = nested("weights", &self.weights, "bounded_biharmonic")?;

@@ -114,6 +114,7 @@ impl Check<'_> {
             }
             (None, Some(sample)) => match sample.make().and_then(|made| Side::new(None, made)) {
                 Ok(side) => Some(side),
+                Err(error) if self.has_told(&error) => None,
                 Err(error) => {
                     let at = path([name, "sample"]);
                     let mistake = Mistake::from(error).doing(format!("sample ({})", sample.typetag_name()));

@@ -220,6 +220,13 @@ impl Check<'_> {
         super::resolve::from_base(self.document.folder(at), path)
     }
 
+    /// Whether what a stage says of a setting has been said of its place already.
+    fn has_told(&self, error: &crate::core::Error) -> bool {
+        let error = error.to_string();
+        let quoted = error.split_once(": ").map(|(setting, told)| format!("`{setting}`: {told}"));
+        quoted.is_some_and(|quoted| self.mistakes.iter().any(|mistake| mistake.message == quoted))
+    }
+
     fn wrong(&mut self, path: &[Step], at: At, message: impl Into<String>, hint: impl Into<String>) {
         self.mistakes.push(self.document.mistake(path, at, message).hint(hint));
     }

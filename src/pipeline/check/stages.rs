@@ -77,6 +77,9 @@ impl Check<'_> {
     }
 
     fn refused(&mut self, stage: &'static str, name: &str, error: crate::core::Error) {
+        if self.has_told(&error) {
+            return;
+        }
         let at = self.document.place(&path([stage]), At::Value);
         let mistake = Mistake::from(error).doing(format!("{stage} ({name})"));
         let status = if mistake.status == Status::Internal { Status::BadData } else { mistake.status };
