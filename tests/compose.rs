@@ -371,12 +371,12 @@ fn keys_that_do_not_go_together_are_told() {
         &["p.yaml:6:12: `variables`: expected a map of names and values, found the text \"x\""],
     );
     project.write("p.yaml", &with_targets("targets: { a: { rest: target.obj } }"));
-    let both = mistakes(&project, &["target.rest=x.obj", "include=a.yaml"]);
+    let both = mistakes(&project, &["target.rest=rest.obj", "include=a.yaml"]);
     assert_eq!(
         both,
         [
             "--set include=a.yaml: `include` cannot be set",
-            "--set target.rest=x.obj: there are several targets, each with its own mesh",
+            "--set target.rest=rest.obj: there are several targets, each with its own mesh",
         ]
     );
     let collide =

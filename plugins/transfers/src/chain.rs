@@ -61,7 +61,7 @@ impl Transfer for Chain {
     ) -> Result<Box<dyn BoundTransfer>> {
         let (first, others) = self.split()?;
         let mut figures = Figures::default();
-        let mut links = vec![link(0, first, pair, map, poses, &mut figures)?];
+        let mut links = vec![link(0, first.as_ref(), pair, map, poses, &mut figures)?];
         let markers = on_itself(pair.markers);
         let itself = Pair { source: pair.target, markers: &markers, ..pair };
         let identity = identity(pair.target);
@@ -87,14 +87,17 @@ impl Transfer for Chain {
     }
 }
 
+/// A transfer of the chain.
+type Link = Box<dyn Transfer>;
+
 impl Chain {
-    fn split(&self) -> Result<(&dyn Transfer, &[Box<dyn Transfer>])> {
-        let (first, others) = self.transfers.split_first().ok_or_else(|| Error::Setting {
+    /// The first transfer and those after it.
+    fn split(&self) -> Result<(&Link, &[Link])> {
+        self.transfers.split_first().ok_or_else(|| Error::Setting {
             setting: "transfers",
             expected: "one transfer or more".into(),
             found: "none".into(),
-        })?;
-        Ok((&**first, others))
+        })
     }
 }
 

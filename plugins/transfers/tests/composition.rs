@@ -73,8 +73,8 @@ fn combined() -> MultiComponent {
 
 fn of_two(border: f64) -> Blend {
     let part = |transfer: Box<dyn Transfer>, components: Vec<ComponentRef>| Part { transfer, components };
-    let first = part(Box::new(MultiComponent::default()), vec![ComponentRef::Number(0)]);
-    Blend { parts: vec![first, part(Box::new(CopyDisplacement::default()), vec![])], border }
+    let first = part(Box::<MultiComponent>::default(), vec![ComponentRef::Number(0)]);
+    Blend { parts: vec![first, part(Box::<CopyDisplacement>::default(), vec![])], border }
 }
 
 /// Gives the target the source's own vertices.

@@ -6,10 +6,13 @@ use crate::{
     pipeline::{Source, Step, Target, document::path},
 };
 
+/// A source and its poses, as far as they can be had.
+type SourceRead = (Option<Arc<Side>>, Vec<PoseInput>);
+
 /// What several runs of one file have in common, read once.
 #[derive(Debug, Default)]
 pub(super) struct Shared {
-    sources: HashMap<String, Read<(Option<Arc<Side>>, Vec<PoseInput>)>>,
+    sources: HashMap<String, Read<SourceRead>>,
     targets: HashMap<String, Read<Option<Arc<Side>>>>,
 }
 
@@ -24,7 +27,7 @@ struct Read<T> {
 
 impl Shared {
     /// The source and its poses, as far as they can be had.
-    pub(super) fn source(&mut self, check: &mut Check<'_>, source: &Source) -> (Option<Arc<Side>>, Vec<PoseInput>) {
+    pub(super) fn source(&mut self, check: &mut Check<'_>, source: &Source) -> SourceRead {
         let read = |check: &mut Check<'_>| {
             let (side, poses) = check.source(source);
             (side.map(Arc::new), poses)
