@@ -1,6 +1,6 @@
 //! Inverse distance weights of compact support.
 //!
-//! Shepard's weights as Franke and Nielson [1980] made them local: wₖ ∝ ((R − dₖ)₊ / (R dₖ))ᵖ, divided by their sum. dₖ is the
+//! Shepard's weights as Franke and Nielson (1980) made them local: wₖ ∝ ((R − dₖ)₊ / (R dₖ))ᵖ, divided by their sum. dₖ is the
 //! distance from handle k along the surface, and R, for each vertex, that to the (`neighbours` + 1)-th nearest handle: a handle
 //! moves only vertices that have it among their `neighbours` nearest, and its influence fades to 0 where the next one comes
 //! nearer. Weights lie within 0 to 1 and are continuous; where no more than `neighbours` handles reach a vertex, R is infinite
