@@ -9,7 +9,7 @@
 //! - E3 = Σ over gaps (i, j) of the proximity graph: ‖(x̃ᵢ − x̃ⱼ) − t_ij‖², where ‖t_ij‖ is the length at rest and the direction
 //!   that of now (eq. 8), or t_ij is known ([`Gaps`]);
 //! - E4 = Σ over orphan components: ‖L x̃ − δ̂‖², directions from now, lengths from rest (eq. 9);
-//! - w5 E5, with `initial`: how far another transfer's result is ([`prior`]). Gaps and gradients of orphans are then its own.
+//! - w5 E5, with `initial`: how far another transfer's result is (prior.rs). Gaps and gradients of orphans are then its own.
 //!
 //! With directions held within a step, as Gauss and Newton do, the matrix is constant: it is factored once, and a step is a
 //! pair of triangular solves. Each step minimises a quadratic that lies above the energy and touches it, so the energy never
