@@ -61,6 +61,16 @@ fn every_transfer_keeps_its_contract() {
 }
 
 #[test]
+fn every_format_keeps_its_contract() {
+    instances::<dyn Format>().iter().for_each(|(name, stage)| contracts::format(name, &**stage));
+}
+
+#[test]
+fn every_metric_keeps_its_contract() {
+    instances::<dyn Metric>().iter().for_each(|(name, stage)| contracts::metric(name, &**stage));
+}
+
+#[test]
 fn every_proximity_keeps_its_contract() {
     instances::<dyn Proximity>().iter().for_each(|(name, stage)| contracts::proximity(name, &**stage));
 }

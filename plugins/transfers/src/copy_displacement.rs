@@ -5,7 +5,7 @@ use mimesh_core::{
     mesh::{Surface, SurfacePoint, check_finite},
     operators::DeformationGradients,
     register,
-    spatial::{Nearest, Orientation, Similarity},
+    spatial::{Orientation, Similarity},
     stage::{BoundTransfer, Pair, Transfer, Transferred, TriangleMap},
 };
 use nalgebra::Point3;
@@ -30,9 +30,8 @@ pub struct CopyDisplacement {
 #[typetag::serde(name = "copy_displacement")]
 impl Transfer for CopyDisplacement {
     fn bind(&self, pair: Pair<'_>, map: &TriangleMap) -> Result<Box<dyn BoundTransfer>> {
-        map.check(pair)?;
+        let points = map.source_points(pair)?;
         let target_from_source = Alignment::new(pair, map, self.orientation).target_from_source;
-        let points = points(pair, map)?;
         Ok(Box::new(Bound {
             source: pair.source.clone(),
             rest: pair.target.positions.clone(),
@@ -42,24 +41,6 @@ impl Transfer for CopyDisplacement {
             target_from_source,
         }))
     }
-}
-
-/// A source point for every target vertex: the map's, else the same corner of a partner, else that of the nearest vertex
-/// which has one.
-fn points(pair: Pair<'_>, map: &TriangleMap) -> Result<Vec<SurfacePoint>> {
-    let target = pair.target;
-    let mut points = map.points.clone();
-    points.resize(target.vertex_count(), None);
-    for (t, partner) in target.triangles.iter().zip(&map.partners) {
-        let Some(partner) = partner else { continue };
-        for (k, &v) in t.iter().enumerate() {
-            points[v as usize].get_or_insert(SurfacePoint::Vertex(pair.source.triangles[*partner as usize][k]));
-        }
-    }
-    let known: Vec<u32> = (0..points.len() as u32).filter(|&v| points[v as usize].is_some()).collect();
-    let nearest = Nearest::new(&known.iter().map(|&v| target.positions[v as usize]).collect::<Vec<_>>())?;
-    let found = |v: usize| points[known[nearest.find(&target.positions[v]).0 as usize] as usize];
-    Ok((0..points.len()).map(|v| points[v].or_else(|| found(v)).unwrap_or(SurfacePoint::Vertex(0))).collect())
 }
 
 #[derive(Debug)]

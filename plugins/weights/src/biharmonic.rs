@@ -11,13 +11,13 @@ use mimesh_core::{
     Figures, Result,
     mesh::{Surface, SurfacePoint},
     register,
-    stage::{BoundWeights, HandleWeights, ProximityGraph, Weights},
+    stage::{BoundWeights, HandlePoints, HandleWeights, ProximityGraph, Weights},
 };
 use nalgebra::DMatrix;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::{bilaplacian::Bilaplacian, domain::Domain, greens::Greens, points::Points};
+use crate::{bilaplacian::Bilaplacian, domain::Domain, greens::Greens};
 
 register!(Weights: Biharmonic);
 
@@ -48,7 +48,7 @@ impl Weights for Biharmonic {
         points: &[SurfacePoint],
         proximity: Option<&ProximityGraph>,
     ) -> Result<Box<dyn BoundWeights>> {
-        let points = Points::new(surface, points)?;
+        let points = HandlePoints::new(surface, points)?;
         let domain = Domain::new(surface, proximity, self.bridge)?;
         let energy = |group: &_| Bilaplacian::new(group).matrix;
         let greens = Greens::new(domain, points, energy, "the energy of biharmonic weights")?;

@@ -9,14 +9,14 @@ use mimesh_core::{
     mesh::{Surface, SurfacePoint},
     register,
     spatial::EdgePaths,
-    stage::{BoundWeights, HandleWeights, ProximityGraph, Weights},
+    stage::{BoundWeights, HandlePoints, HandleWeights, ProximityGraph, Weights},
 };
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::{domain::Domain, points::Points};
+use crate::domain::Domain;
 
 register!(Weights: GeodesicFalloff);
 
@@ -44,7 +44,7 @@ impl Weights for GeodesicFalloff {
         proximity: Option<&ProximityGraph>,
     ) -> Result<Box<dyn BoundWeights>> {
         Error::check_setting("power", self.power, 1.0, 16.0)?;
-        let points = Points::new(surface, points)?;
+        let points = HandlePoints::new(surface, points)?;
         // The strength of bridges does not matter here, only that there are some.
         let domain = Domain::new(surface, proximity, 1.0)?;
         let paths = EdgePaths::new(&surface.positions, &surface.triangles, &domain.bridges);
@@ -58,7 +58,7 @@ impl Weights for GeodesicFalloff {
 struct Bound {
     power: f64,
     domain: Domain,
-    points: Points,
+    points: HandlePoints,
     /// From each point to each vertex.
     distances: Vec<Vec<f64>>,
 }

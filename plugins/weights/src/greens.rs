@@ -3,15 +3,16 @@
 //! A w = Σₖ λₖ eₖ away from the handles means w = Σₖ λₖ gₖ + c with Green's functions gₖ and Σ λₖ = 0, since A maps constants
 //! to 0. The gₖ are solved for once for all points; then handles only ask for a dense system of their number and a product.
 
-use mimesh_core::{Figures, Result, linalg::Cholesky, stage::HandleWeights};
+use mimesh_core::{
+    Figures, Result,
+    linalg::Cholesky,
+    stage::{HandlePoints, HandleWeights},
+};
 use nalgebra::DMatrix;
 use nalgebra_sparse::CscMatrix;
 use rayon::prelude::*;
 
-use crate::{
-    domain::{Domain, Group},
-    points::Points,
-};
+use crate::domain::{Domain, Group};
 
 /// Right-hand sides that are solved for at a time.
 const BATCH: usize = 16;
@@ -20,7 +21,7 @@ const BATCH: usize = 16;
 #[derive(Debug)]
 pub struct Greens {
     domain: Domain,
-    points: Points,
+    points: HandlePoints,
     /// gₖ of each point over the vertices of its group.
     functions: Vec<Vec<f64>>,
 }
@@ -29,7 +30,7 @@ impl Greens {
     /// Solves for `points`; `energy` gives the lower triangle of A for a group, and `what` names it in errors.
     pub fn new(
         domain: Domain,
-        points: Points,
+        points: HandlePoints,
         energy: impl Fn(&Group) -> CscMatrix<f64> + Sync,
         what: &'static str,
     ) -> Result<Self> {

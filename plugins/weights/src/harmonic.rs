@@ -9,7 +9,7 @@ use mimesh_core::{
     Figures, Result,
     mesh::{Surface, SurfacePoint},
     register,
-    stage::{BoundWeights, HandleWeights, ProximityGraph, Weights},
+    stage::{BoundWeights, HandlePoints, HandleWeights, ProximityGraph, Weights},
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -17,7 +17,6 @@ use serde::{Deserialize, Serialize};
 use crate::{
     domain::{Domain, Group},
     greens::Greens,
-    points::Points,
 };
 
 register!(Weights: Harmonic);
@@ -46,7 +45,7 @@ impl Weights for Harmonic {
         points: &[SurfacePoint],
         proximity: Option<&ProximityGraph>,
     ) -> Result<Box<dyn BoundWeights>> {
-        let points = Points::new(surface, points)?;
+        let points = HandlePoints::new(surface, points)?;
         let domain = Domain::new(surface, proximity, self.bridge)?;
         let energy = |group: &Group| group.laplacian.clone();
         Ok(Box::new(Bound(Greens::new(domain, points, energy, "the energy of harmonic weights")?)))

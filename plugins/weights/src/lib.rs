@@ -7,6 +7,5 @@ mod domain;
 pub mod geodesic_falloff;
 mod greens;
 pub mod harmonic;
-mod points;
 
 pub use bounded_biharmonic::Normalize;

@@ -22,14 +22,14 @@ use mimesh_core::{
     linalg::Cholesky,
     mesh::{Surface, SurfacePoint},
     register,
-    stage::{BoundWeights, HandleWeights, ProximityGraph, Weights},
+    stage::{BoundWeights, HandlePoints, HandleWeights, ProximityGraph, Weights},
 };
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::{bilaplacian::Bilaplacian, domain::Domain, points::Points};
+use crate::{bilaplacian::Bilaplacian, domain::Domain};
 use coupled::Coupled;
 use qp::{BoxProgram, Minimum};
 
@@ -83,7 +83,7 @@ impl Weights for BoundedBiharmonic {
     ) -> Result<Box<dyn BoundWeights>> {
         Error::check_setting("tolerance", self.tolerance, 1e-12, 0.1)?;
         Error::check_setting("max_iterations", self.max_iterations as f64, 1.0, f64::INFINITY)?;
-        let points = Points::new(surface, points)?;
+        let points = HandlePoints::new(surface, points)?;
         let domain = Domain::new(surface, proximity, self.bridge)?;
         let mut first = vec![None; domain.groups.len()];
         for (group, local) in points.all().iter().filter_map(|&v| domain.place[v as usize]) {
@@ -102,7 +102,7 @@ impl Weights for BoundedBiharmonic {
 struct Bound {
     settings: BoundedBiharmonic,
     domain: Domain,
-    points: Points,
+    points: HandlePoints,
     /// What is factored, for each group with a point.
     parts: Vec<Option<Part>>,
 }
