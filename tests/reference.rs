@@ -12,7 +12,7 @@ use mimesh::core::{
     mesh::{Mesh, Surface, SurfacePoint},
     plugin::instances,
     spatial::Similarity,
-    stage::{Correspondence, Format, Marker, Metric, MetricInput, Pair, Proximity, Transfer},
+    stage::{Correspondence, Format, Judged, Marker, Metric, Pair, Proximity, Subject, Transfer},
 };
 use nalgebra::{Point3, Rotation3, Vector3};
 
@@ -99,12 +99,13 @@ fn run(case: &Case, transfer: &str) -> Score {
     let map = fit.correspond(pair).unwrap();
     let bound = transfer.bind(pair, &map).unwrap();
     let metric: Box<dyn Metric> = serde_json::from_str(r#"{ "type": "point_error" }"#).unwrap();
+    let metric = metric.bind(Subject::alone(&case.target, &target)).unwrap();
     let count = case.poses.len() as f64;
     let mut score = Score { mean: 0.0, rms: 0.0, placed: 0.0, component: 0.0 };
     for (pose, truth) in case.poses.iter().zip(&case.truth) {
         let posed = case.source.from_mesh(pose).unwrap();
         let result = target.to_mesh(&bound.transfer(&posed).unwrap().positions).unwrap();
-        let figures = metric.measure(MetricInput { rest: &case.target, result: &result, truth }).unwrap();
+        let figures = metric.measure(Judged::against(&result, truth)).unwrap().figures;
         let figure = |name: &str| figures.number(name).unwrap();
         score.mean += figure("mean") / count;
         score.rms += figure("rms").powi(2) / count;

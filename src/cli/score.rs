@@ -6,15 +6,16 @@ use serde_json::json;
 use super::{Ended, summary::scores, terminal, text::count};
 use crate::{
     core::{
-        mesh::{Mesh, MeshSequence, diagonal},
+        mesh::{Mesh, MeshSequence, Surface, diagonal},
         plugin,
-        stage::{Metric, MetricInput},
+        stage::{Judged, Metric, Subject},
     },
     mistake::{Mistake, Result},
     pipeline::{
         Formats,
         check::{in_file, nearby},
-        report::{PoseReport, measure, over_poses},
+        judge::Judges,
+        report::{PoseReport, over_poses},
         resolve::{self, Found},
     },
     status::Status,
@@ -84,11 +85,13 @@ impl Score {
             return Err(Mistake::new(Status::Internal, "the metric point_error is not linked into this program").into());
         };
         let metrics = [metric];
+        let surface = Surface::new(&rest)?;
+        let judges = Judges::bind(&metrics, Subject::alone(&rest, &surface))?;
         let mut poses = Vec::new();
         for (result, truth) in results.iter().zip(&truths) {
             let measured = |positions: &[Point3<f64>]| {
-                measure(&metrics, MetricInput { rest: &rest, result: positions, truth: &truth.positions })
-                    .map_err(|error| in_file(&result.file, error))
+                let measured = judges.measure(Judged::against(positions, &truth.positions));
+                Ok::<_, Mistake>(measured.map_err(|error| in_file(&result.file, error))?.figures())
             };
             let nothing = if self.rest.is_some() { measured(&rest.positions)? } else { Default::default() };
             let metrics = measured(&result.positions)?;

@@ -11,6 +11,7 @@ pub mod compose;
 pub mod document;
 mod formats;
 mod hash;
+pub mod judge;
 pub mod key_points;
 mod one_or_many;
 pub mod overrides;

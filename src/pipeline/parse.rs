@@ -19,7 +19,7 @@ use crate::{
 };
 
 /// The keys of a pipeline, in the order of its documentation.
-pub const SLOTS: [&str; 12] = [
+pub const SLOTS: [&str; 13] = [
     "source",
     "target",
     "key_points",
@@ -30,6 +30,7 @@ pub const SLOTS: [&str; 12] = [
     "transfer",
     "truth",
     "metrics",
+    "gates",
     "formats",
     "output",
 ];
@@ -58,6 +59,7 @@ pub fn parse(document: &Document) -> (Pipeline, Vec<Mistake>) {
         transfer: slots.required("transfer"),
         truth: slots.optional("truth"),
         metrics: slots.list("metrics"),
+        gates: slots.optional("gates").unwrap_or_default(),
         formats: slots.list("formats").unwrap_or_default(),
         output: slots.required("output").unwrap_or_default(),
     };

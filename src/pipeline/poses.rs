@@ -10,16 +10,17 @@ use super::{
     Formats,
     cache::{Cache, Key, Moved, Recipes},
     check::{Output, PoseFrom, PoseInput, Prepared, Side},
-    report::{PoseReport, measure},
+    judge::Judges,
+    report::PoseReport,
     run::of_pose,
     staging::{self, Staged},
     watch::Watch,
 };
 use crate::{
     core::{
-        Error, Result,
+        Error, Figures, Result,
         mesh::check_finite,
-        stage::{BoundTransfer, MeshWriter, MetricInput, Motion, SequenceWriter, Transferred, WriteError},
+        stage::{BoundTransfer, Frame, Judged, MeshWriter, Motion, SequenceWriter, Transferred, WriteError},
     },
     mistake::{self, Mistake},
     status::Status,
@@ -38,6 +39,8 @@ pub struct Bench<'a> {
     pub bound: Option<&'a dyn BoundTransfer>,
     /// Where poses are kept.
     pub shelf: Option<Shelf<'a>>,
+    /// What measures results.
+    pub judges: &'a Judges<'a>,
     /// Is told of every pose.
     pub watch: &'a dyn Watch,
 }
@@ -87,12 +90,31 @@ pub struct Stream {
     pub warnings: Vec<String>,
 }
 
+/// A pose that has been transferred.
+struct Ready {
+    /// The target, for the vertices of its mesh.
+    positions: Vec<Point3<f64>>,
+    /// What the transfer says.
+    figures: Figures,
+    /// Whether it was kept from an earlier run.
+    reused: bool,
+    /// The source, for the vertices of its surface; only where something is measured against it.
+    source: Option<Vec<Point3<f64>>>,
+}
+
+impl Ready {
+    fn frame(&self) -> Frame<'_> {
+        Frame { result: &self.positions, source: self.source.as_deref() }
+    }
+}
+
 /// What comes of one pose.
 struct Done {
     report: PoseReport,
-    positions: Vec<Point3<f64>>,
     files: Vec<Staged>,
 }
+
+type Tried<T> = std::result::Result<T, Mistake>;
 
 impl Bench<'_> {
     /// Sends all poses through.
@@ -106,31 +128,46 @@ impl Bench<'_> {
         let chunk = rayon::current_num_threads() * POSES_PER_THREAD;
         let poses: Vec<(usize, &PoseInput)> = self.prepared.poses.iter().enumerate().collect();
         let mut motion = self.bound.and_then(|bound| bound.motion());
+        // The two poses before the chunk.
+        let mut passed: Vec<Tried<Ready>> = vec![];
         for chunk in poses.chunks(chunk) {
-            let done: Vec<_> = match &mut motion {
-                None => chunk.par_iter().map(|(i, pose)| self.pose(*i, pose)).collect(),
-                Some(motion) => self.frames(chunk, motion.as_mut()),
+            let before = passed.len();
+            match &mut motion {
+                None => passed.par_extend(chunk.par_iter().map(|(i, pose)| self.pose(*i, pose))),
+                Some(motion) => passed.extend(self.frames(chunk, motion.as_mut())),
+            }
+            let finish = |(k, &(i, pose)): (usize, &(usize, &PoseInput))| {
+                let frame = |back: usize| (before + k).checked_sub(back).and_then(|k| passed[k].as_ref().ok());
+                let ready = passed[before + k].as_ref().ok()?;
+                Some(self.finish(i, pose, ready, [1, 2].map(|back| frame(back).map(Ready::frame))))
             };
-            for ((_, pose), done) in chunk.iter().zip(done) {
-                match done {
-                    Ok(done) => {
+            let done: Vec<_> = chunk.par_iter().enumerate().map(finish).collect();
+            chunk.iter().for_each(|_| self.watch.pose_done());
+            for (k, ((_, pose), done)) in chunk.iter().zip(done).enumerate() {
+                let mistake = match (&passed[before + k], done) {
+                    (Ok(ready), Some(Ok(done))) => {
                         for (path, writer) in &mut sequences {
-                            writer.add(&pose.name, &done.positions).map_err(|error| writing(path, error))?;
+                            writer.add(&pose.name, &ready.positions).map_err(|error| writing(path, error))?;
                         }
                         let warnings = done.report.figures.warnings.iter();
                         stream.warnings.extend(warnings.map(|warning| format!("pose {}: {warning}", pose.name)));
                         stream.poses.push(done.report);
                         stream.files.extend(done.files);
+                        continue;
                     }
-                    // A full disk is no fault of the pose.
-                    Err(mistake) if mistake.status == Status::CannotWrite => return Err(mistake.into()),
-                    Err(mistake) => {
-                        let error = Some(mistake.to_json());
-                        stream.poses.push(PoseReport { name: pose.name.clone(), error, ..PoseReport::default() });
-                        stream.failed.push(mistake);
-                    }
+                    (Err(mistake), _) => mistake.clone(),
+                    (_, Some(Err(mistake))) => mistake,
+                    (Ok(_), None) => continue,
+                };
+                // A full disk is no fault of the pose.
+                if mistake.status == Status::CannotWrite {
+                    return Err(mistake.into());
                 }
+                let error = Some(mistake.to_json());
+                stream.poses.push(PoseReport { name: pose.name.clone(), error, ..PoseReport::default() });
+                stream.failed.push(mistake);
             }
+            passed.drain(..passed.len().saturating_sub(2));
         }
         if stream.failed.len() < stream.poses.len() {
             for (path, writer) in sequences {
@@ -157,33 +194,39 @@ impl Bench<'_> {
     }
 
     /// A pose that stands alone.
-    fn pose(&self, i: usize, pose: &PoseInput) -> std::result::Result<Done, Mistake> {
+    fn pose(&self, i: usize, pose: &PoseInput) -> Tried<Ready> {
         if let Some(moved) = self.shelf.and_then(|shelf| shelf.get(i)) {
-            return self.done(i, pose, Ok(moved), true);
+            // What the source did in it is only to measure against.
+            let posed = self.judges.want_source().then(|| self.posed(pose).ok()).flatten();
+            return Ok(self.ready(moved, true, posed.as_deref()));
         }
         let Some(bound) = self.bound else {
             let message = format!("pose {}: its kept result was removed while this run was to use it", pose.name);
             return Err(Mistake::new(Status::Internal, message).hint("run again, or with `--no-cache`"));
         };
-        let moved = self.posed(pose).and_then(|posed| self.moved(i, pose, &posed, |posed| bound.transfer(posed)));
-        self.done(i, pose, moved, false)
+        let posed = self.posed(pose)?;
+        let moved = self.moved(i, pose, &posed, |posed| bound.transfer(posed))?;
+        Ok(self.ready(moved, false, Some(&posed)))
     }
 
     /// Frames of one motion: read and written side by side, but transferred one after the other.
-    fn frames(
-        &self,
-        chunk: &[(usize, &PoseInput)],
-        motion: &mut dyn Motion,
-    ) -> Vec<std::result::Result<Done, Mistake>> {
+    fn frames(&self, chunk: &[(usize, &PoseInput)], motion: &mut dyn Motion) -> Vec<Tried<Ready>> {
         let read: Vec<_> = chunk.par_iter().map(|(_, pose)| self.posed(pose)).collect();
-        let frame = |(&(i, pose), posed): (&(usize, &PoseInput), std::result::Result<Vec<_>, Mistake>)| {
-            self.moved(i, pose, &posed?, |posed| motion.frame(i, posed))
+        let frame = |(&(i, pose), posed): (&(usize, &PoseInput), Tried<Vec<_>>)| {
+            let posed = posed?;
+            let moved = self.moved(i, pose, &posed, |posed| motion.frame(i, posed))?;
+            Ok(self.ready(moved, false, Some(&posed)))
         };
-        let moved: Vec<_> = chunk.iter().zip(read).map(frame).collect();
-        chunk.par_iter().zip(moved).map(|((i, pose), moved)| self.done(*i, pose, moved, false)).collect()
+        chunk.iter().zip(read).map(frame).collect()
     }
 
-    fn posed(&self, pose: &PoseInput) -> std::result::Result<Vec<Point3<f64>>, Mistake> {
+    fn ready(&self, (positions, figures): Moved, reused: bool, posed: Option<&[Point3<f64>]>) -> Ready {
+        let posed = posed.filter(|_| self.judges.want_source());
+        let source = posed.and_then(|posed| self.prepared.source.surface.from_mesh(posed).ok());
+        Ready { positions, figures, reused, source }
+    }
+
+    fn posed(&self, pose: &PoseInput) -> Tried<Vec<Point3<f64>>> {
         let file = if let PoseFrom::File(file) = &pose.from { Some(file.as_path()) } else { None };
         read(&self.prepared.source, &self.prepared.formats, &pose.from)
             .map_err(|error| of_pose(&pose.name, file, None, error))
@@ -195,7 +238,7 @@ impl Bench<'_> {
         pose: &PoseInput,
         posed: &[Point3<f64>],
         transfer: impl FnOnce(&[Point3<f64>]) -> Result<Transferred>,
-    ) -> std::result::Result<Moved, Mistake> {
+    ) -> Tried<Moved> {
         let doing = || Some(format!("transfer ({})", self.transfer));
         let moved = self.transfer(posed, transfer).map_err(|error| of_pose(&pose.name, None, doing(), error))?;
         // At once, so that a run that is killed after this need not do it again.
@@ -205,25 +248,16 @@ impl Bench<'_> {
         Ok(moved)
     }
 
-    /// Scores and writes pose `i`.
-    fn done(
-        &self,
-        i: usize,
-        pose: &PoseInput,
-        moved: std::result::Result<Moved, Mistake>,
-        reused: bool,
-    ) -> std::result::Result<Done, Mistake> {
-        let done = moved.and_then(|(positions, figures)| {
-            let mut report = PoseReport { name: pose.name.clone(), reused, figures, ..PoseReport::default() };
-            if let Err(error) = self.score(i, &positions, &mut report) {
-                // The result is good all the same.
-                report.figures.warn(format!("not scored: {error}"));
-            }
-            let files = self.write(i, &positions)?;
-            Ok(Done { report, positions, files })
-        });
-        self.watch.pose_done();
-        done
+    /// Measures and writes pose `i`.
+    fn finish(&self, i: usize, pose: &PoseInput, ready: &Ready, before: [Option<Frame<'_>>; 2]) -> Tried<Done> {
+        let Ready { positions, figures, reused, .. } = ready;
+        let figures = figures.clone();
+        let mut report = PoseReport { name: pose.name.clone(), reused: *reused, figures, ..PoseReport::default() };
+        if let Err(error) = self.judge(i, ready, before, &mut report) {
+            // The result is good all the same.
+            report.figures.warn(format!("not measured: {error}"));
+        }
+        Ok(Done { files: self.write(i, positions)?, report })
     }
 
     fn transfer(
@@ -249,19 +283,24 @@ impl Bench<'_> {
         Ok((positions, transferred.figures))
     }
 
-    /// Measures pose `i` against the truth, if that is known.
-    fn score(&self, i: usize, result: &[Point3<f64>], report: &mut PoseReport) -> Result<()> {
-        let Prepared { truth, metrics, formats, target, .. } = self.prepared;
+    /// Measures pose `i`, against the truth too if that is known.
+    fn judge(&self, i: usize, ready: &Ready, before: [Option<Frame<'_>>; 2], report: &mut PoseReport) -> Result<()> {
+        let Prepared { truth, formats, target, .. } = self.prepared;
         let rest = &target.sequence.rest;
-        if let Some(truth) = truth.positions(i, &report.name, rest, formats)? {
-            report.metrics = measure(metrics, MetricInput { rest, result, truth: &truth })?;
-            report.nothing = measure(metrics, MetricInput { rest, result: &rest.positions, truth: &truth })?;
+        let truth = truth.positions(i, &report.name, rest, formats)?;
+        let judged =
+            Judged { result: &ready.positions, truth: truth.as_deref(), source: ready.source.as_deref(), before };
+        let judgement = self.judges.measure(judged)?;
+        report.verdict = self.judges.verdict(&judgement);
+        report.metrics = judgement.figures();
+        if let Some(truth) = &truth {
+            report.nothing = self.judges.against_truth(Judged::against(&rest.positions, truth))?.figures();
         }
         Ok(())
     }
 
     /// The files of one pose, written aside.
-    fn write(&self, i: usize, positions: &[Point3<f64>]) -> std::result::Result<Vec<Staged>, Mistake> {
+    fn write(&self, i: usize, positions: &[Point3<f64>]) -> Tried<Vec<Staged>> {
         let mut files = Vec::new();
         for output in &self.prepared.outputs.meshes {
             let Output::Poses(paths) = output else { continue };

@@ -7,14 +7,12 @@ use serde_json::{Map, Value};
 
 use super::{
     check::Side,
+    compose::Variant,
+    judge::{Level, Verdict},
     process::{self, Usage},
     staging::WrittenFile,
 };
-use crate::core::{
-    Figures,
-    mesh::Topology,
-    stage::{Metric, MetricInput},
-};
+use crate::core::{Figures, mesh::Topology};
 
 /// A run, whole.
 #[derive(Clone, Debug, Serialize)]
@@ -25,6 +23,9 @@ pub struct Report {
     pub status: &'static str,
     /// The pipeline's file.
     pub pipeline: PathBuf,
+    /// Which of its runs this was, if it declares several.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub run: Option<RunOf>,
     /// Its settings in full, with defaults and with what the command line set.
     pub settings: Value,
     /// What the command line set.
@@ -39,6 +40,12 @@ pub struct Report {
     pub target: MeshFigures,
     /// Number of markers.
     pub markers: usize,
+    /// The worst verdict of any pose; none where nothing was measured.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub verdict: Option<Level>,
+    /// The gates of the pipeline.
+    #[serde(skip_serializing_if = "Map::is_empty")]
+    pub gates: Map<String, Value>,
     /// The stages in their order.
     pub stages: Vec<StageReport>,
     /// The poses in their order.
@@ -54,6 +61,28 @@ pub struct Report {
     pub seconds: f64,
     /// What the process used, from its own start.
     pub process: Usage,
+}
+
+/// One of the runs that a pipeline declares.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RunOf {
+    /// Its name, which `{name}` stands for.
+    pub name: String,
+    /// The target's name.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub target: Option<String>,
+    /// The keys that the matrix varies, with their values.
+    #[serde(skip_serializing_if = "Map::is_empty")]
+    pub matrix: Map<String, Value>,
+}
+
+impl RunOf {
+    /// Of `variant`; `None` for the only run of a file.
+    pub fn new(variant: &Variant) -> Option<Self> {
+        let several = variant.target.is_some() || !variant.values.is_empty();
+        let Variant { name, target, values, .. } = variant;
+        several.then(|| Self { name: name.clone(), target: target.clone(), matrix: values.iter().cloned().collect() })
+    }
 }
 
 /// A file that was read.
@@ -149,10 +178,13 @@ pub struct PoseReport {
     pub reused: bool,
     /// What the transfer says of it.
     pub figures: Figures,
-    /// For each metric its figures, where the truth is known.
+    /// What is to be said of it; none where nothing was measured.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub verdict: Option<Verdict>,
+    /// For each metric its figures.
     #[serde(skip_serializing_if = "Map::is_empty")]
     pub metrics: Map<String, Value>,
-    /// The same for the target at rest in place of the result.
+    /// Those against the truth for the target at rest in place of the result.
     #[serde(skip_serializing_if = "Map::is_empty")]
     pub nothing: Map<String, Value>,
 }
@@ -171,20 +203,6 @@ impl MeshFigures {
             diagonal: mesh.diagonal(),
         }
     }
-}
-
-/// What `metrics` say of a pose, by their types.
-///
-/// # Errors
-///
-/// Of the metric.
-pub fn measure(metrics: &[Box<dyn Metric>], input: MetricInput<'_>) -> crate::core::Result<Map<String, Value>> {
-    let of = |metric: &dyn Metric| Ok((metric.typetag_name().to_owned(), figures_value(&metric.measure(input)?)));
-    metrics.iter().map(|metric| of(metric.as_ref())).collect()
-}
-
-fn figures_value(figures: &Figures) -> Value {
-    serde_json::to_value(figures).unwrap_or_default()
 }
 
 /// For each metric `average`, `worst` and `nothing` over poses: means, but the root mean square of `rms`, and largest
@@ -225,13 +243,25 @@ fn combine(poses: &[&Value], how: impl Fn(&str, &[f64]) -> f64) -> Value {
     let mut result = Map::new();
     for key in keys {
         if !result.contains_key(key) {
-            let values: Vec<f64> = poses.iter().filter_map(|figures| figures.get(key)?.as_f64()).collect();
-            if !values.is_empty() {
-                result.insert(key.clone(), how(key, &values).into());
+            let of_key: Vec<&Value> = poses.iter().filter_map(|figures| figures.get(key)).collect();
+            let numbers: Vec<f64> = of_key.iter().filter_map(|value| value.as_f64()).collect();
+            if !numbers.is_empty() {
+                result.insert(key.clone(), how(key, &numbers).into());
+            } else if let Some(curve) = combine_curves(&of_key, |values| how(key, values)) {
+                result.insert(key.clone(), curve);
             }
         }
     }
     Value::Object(result)
+}
+
+/// Lists of equally many numbers, one number after the other.
+fn combine_curves(curves: &[&Value], how: impl Fn(&[f64]) -> f64) -> Option<Value> {
+    let numbers = |curve: &&Value| curve.as_array()?.iter().map(Value::as_f64).collect::<Option<Vec<f64>>>();
+    let curves: Vec<Vec<f64>> = curves.iter().filter_map(numbers).collect();
+    let length = curves.first()?.len();
+    let at = |k: usize| how(&curves.iter().filter_map(|curve| curve.get(k).copied()).collect::<Vec<f64>>());
+    Some((0..length).map(at).collect::<Vec<f64>>().into())
 }
 
 #[cfg(test)]

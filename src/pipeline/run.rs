@@ -9,16 +9,17 @@ use super::{
     cache::{Cache, Keep, OfTransfer, Recipe, Record},
     check::Prepared,
     hash::hash_file,
+    judge::{Judges, Level},
     poses::{self, Bench, Shelf, Stream},
     process,
-    report::{Clock, InputFile, MeshFigures, Report, StageReport, over_poses},
+    report::{Clock, InputFile, MeshFigures, PoseReport, Report, RunOf, StageReport, over_poses},
     staging,
     watch::Watch,
 };
 use crate::{
     core::{
         Error, Figures,
-        stage::{Pair, ProximityGraph, TriangleMap},
+        stage::{Pair, ProximityGraph, Subject, TriangleMap},
     },
     mistake::{Failure, Mistake, Place, Result},
     status::Status,
@@ -36,7 +37,12 @@ pub struct Outcome {
 impl Outcome {
     /// The exit status.
     pub fn status(&self) -> Status {
-        if self.failed.is_empty() { Status::Done } else { Status::Partly }
+        let gated = |pose: &PoseReport| pose.verdict.as_ref().is_some_and(|verdict| verdict.level == Level::Failed);
+        match self.failed.is_empty() {
+            false => Status::Partly,
+            true if self.report.poses.iter().any(gated) => Status::Gate,
+            true => Status::Done,
+        }
     }
 }
 
@@ -86,8 +92,9 @@ impl Run<'_> {
             let shelf = Shelf { cache, recipes, motion: kept.motion };
             (0..prepared.poses.len()).into_par_iter().all(|i| shelf.get(i).is_some()).then_some((kept, shelf))
         });
-        // Where every pose is kept, stages are only asked for what they said.
-        let needed = kept.is_none() || prepared.outputs.correspondence.is_some();
+        // Where every pose is kept, stages are only asked for what they said, and for what metrics want to know.
+        let judged = prepared.metrics.iter().any(|metric| !metric.needs_truth());
+        let needed = kept.is_none() || judged || prepared.outputs.correspondence.is_some();
 
         let of_proximity = recipes.and_then(|recipes| recipes.proximity.as_ref());
         let graph = match &prepared.pipeline.proximity {
@@ -148,7 +155,16 @@ impl Run<'_> {
         }
         self.watch.poses(prepared.poses.len());
         let bound = bound.as_deref();
-        let bench = Bench { prepared, transfer: transfer.typetag_name(), bound, shelf, watch: self.watch };
+        let known = prepared.pipeline.correspondence.as_ref().map(|_| &map);
+        let subject = Subject {
+            rest: &target.sequence.rest,
+            surface: &target.surface,
+            pair: Some(pair),
+            map: known.filter(|map| map.orphan_count() < map.partners.len()),
+        };
+        let judges = Judges::bind(&prepared.metrics, subject)?.with_gates(&prepared.gates);
+        let bench =
+            Bench { prepared, transfer: transfer.typetag_name(), bound, shelf, judges: &judges, watch: self.watch };
         let clock = Clock::start();
         let Stream { poses, failed, files, warnings } = bench.stream()?;
         staged.extend(files);
@@ -177,6 +193,9 @@ impl Run<'_> {
             source: MeshFigures::new(source),
             target: MeshFigures::new(target),
             markers: prepared.markers.len(),
+            run: RunOf::new(&prepared.variant),
+            verdict: worst(&poses),
+            gates: prepared.gates.iter().map(|gate| (gate.key.clone(), gate.limit.into())).collect(),
             warnings: prepared.warnings.iter().cloned().chain(warnings).chain(of_cache).collect(),
             metrics: over_poses(&poses),
             seconds: self.stages.iter().map(|stage| stage.seconds).sum(),
@@ -289,6 +308,11 @@ fn inputs(prepared: &Prepared) -> Result<Vec<InputFile>> {
         Err(error) => Some(Err(Failure::from(Error::read(&input.path, error)))),
     };
     prepared.inputs.par_iter().filter_map(told).collect()
+}
+
+/// The worst that is to be said of any pose.
+fn worst(poses: &[PoseReport]) -> Option<Level> {
+    poses.iter().filter_map(|pose| Some(pose.verdict.as_ref()?.level)).max()
 }
 
 fn deduplicate(warnings: &mut Vec<String>) {

@@ -1,4 +1,4 @@
-use std::path::PathBuf;
+use std::{collections::BTreeMap, path::PathBuf};
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -52,8 +52,13 @@ pub struct Pipeline {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("examples" = ["truth/camel-{pose}.obj"]))]
     pub truth: Option<PathBuf>,
-    /// What to measure where the truth is known; left out, the point error.
+    /// What to measure of every pose; left out, what `mimesh list metric` marks as usual. Some need the truth.
     pub metrics: Option<Vec<Box<dyn Metric>>>,
+    /// The most that figures of any pose may be, whatever their sign, for an exit status of 0: `METRIC_FIGURE`, or `METRIC` for the
+    /// figure that says most of it. A run that breaks one ends with status 3; its results are written.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    #[schemars(extend("examples" = [{ "point_error_p95": 2.0, "flipped_triangles": 0 }]))]
+    pub gates: BTreeMap<String, f64>,
     /// Settings of file formats that differ from their defaults, e.g. `[{ type: glb, frames_per_second: 30 }]`.
     #[serde(default)]
     pub formats: Vec<Box<dyn Format>>,

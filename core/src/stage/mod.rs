@@ -27,7 +27,7 @@ pub use deformer::{BoundDeformer, Deformer, Fit, Skin};
 pub use format::{Format, MeshWriter, PoseWriter, SequenceFormat, SequenceWriter, WriteError, check_pose};
 pub use handles::{HandlePoints, followers};
 pub use key_points::{ChoiceStep, ChoiceWatch, Chosen, KeyPoints, KeyPointsInput};
-pub use metric::{Metric, MetricInput};
+pub use metric::{BoundMetric, Frame, Judged, Limit, Measured, Metric, Subject};
 pub use pair::{Marker, Pair};
 pub use proximity::{Link, Proximity, ProximityGraph};
 pub use sample::Sample;

@@ -1,8 +1,10 @@
 //! Distance of each vertex to where it should be.
 
 use mimesh_core::{
-    Error, Figures, Result, register,
-    stage::{Metric, MetricInput},
+    Error, Figures, Result,
+    mesh::Mesh,
+    register,
+    stage::{BoundMetric, Judged, Limit, Measured, Metric, Subject},
 };
 use nalgebra::{Point3, Vector3};
 use schemars::JsonSchema;
@@ -15,6 +17,7 @@ register!(Metric: PointError);
 /// The result is first moved so that its centroid (mean of its vertices) lies on that of the truth:
 /// eᵢ = 100 · ‖(pᵢ − p̄) − (tᵢ − t̄)‖ / diagonal. Figures:
 /// - `mean`, `rms` = √(Σ eᵢ² / #V), `p50`, `p95`, `p99` (percentiles, interpolated linearly between vertices), `max`;
+/// - `within`: the share of vertices, in percent, whose error is at most 0.2, 0.4, … 10 %: the curve of the 2018 paper's figure 14;
 /// - `placed`: mean of 100 · ‖pᵢ − tᵢ‖ / diagonal, i.e. without that move;
 /// - if the polygons of the rest mesh join its vertices into several components: `components`, and `comp_mean` and
 ///   `comp_max` of the distance between the component's centroids in result and truth after the move. A vertex
@@ -26,25 +29,71 @@ pub struct PointError {}
 
 #[typetag::serde(name = "point_error")]
 impl Metric for PointError {
-    fn measure(&self, input: MetricInput<'_>) -> Result<Figures> {
-        let count = input.rest.positions.len();
-        Error::check_shape("vertices of the result (#V)", count, input.result.len())?;
-        Error::check_shape("vertices of the truth (#V)", count, input.truth.len())?;
-        let diagonal = input.rest.diagonal();
+    fn bind<'a>(&self, subject: Subject<'a>) -> Result<Box<dyn BoundMetric + 'a>> {
+        let diagonal = subject.rest.diagonal();
         if !(diagonal.is_finite() && diagonal > 0.0) {
             return Err(Error::data(
                 format!("the rest mesh has a bounding box of diagonal {diagonal}: expected a finite length above 0"),
                 "errors are given relative to this length; give the rest mesh that the result was made from",
             ));
         }
+        Ok(Box::new(Bound { subject, diagonal, labels: components(subject.rest) }))
+    }
+
+    fn figures(&self) -> Vec<&'static str> {
+        vec![
+            "mean",
+            "rms",
+            "p50",
+            "p95",
+            "p99",
+            "max",
+            "placed",
+            "comp_mean",
+            "comp_max",
+            "components",
+            "vertices",
+            "nonfinite",
+        ]
+    }
+
+    fn limits(&self) -> Vec<Limit> {
+        vec![Limit { figure: "mean", doubtful: 2.0, bad: 5.0 }, Limit { figure: "p99", doubtful: 6.0, bad: 15.0 }]
+    }
+
+    fn needs_truth(&self) -> bool {
+        true
+    }
+
+    fn by_default(&self) -> bool {
+        true
+    }
+}
+
+/// Points of the curve `within`, and the error between two of them in percent.
+const CURVE: usize = 50;
+const CURVE_STEP: f64 = 0.2;
+
+struct Bound<'a> {
+    subject: Subject<'a>,
+    diagonal: f64,
+    /// For each vertex its component.
+    labels: Vec<usize>,
+}
+
+impl BoundMetric for Bound<'_> {
+    fn measure(&self, pose: Judged<'_>) -> Result<Measured> {
+        self.subject.check(&pose)?;
+        let (result, Some(truth)) = (pose.result, pose.truth) else { return Ok(Measured::default()) };
+        let count = result.len();
         let finite = |p: &Point3<f64>| p.coords.iter().all(|x| x.is_finite());
-        if let Some(vertex) = input.truth.iter().position(|p| !finite(p)) {
+        if let Some(vertex) = truth.iter().position(|p| !finite(p)) {
             return Err(Error::data(
                 format!("the truth is not finite at vertex {vertex} (from 0)"),
                 "export the known result again without NaN and infinity",
             ));
         }
-        let good: Vec<usize> = (0..count).filter(|&v| finite(&input.result[v])).collect();
+        let good: Vec<usize> = (0..count).filter(|&v| finite(&result[v])).collect();
         let mut figures = Figures::default();
         figures.set("vertices", count);
         figures.set("nonfinite", count - good.len());
@@ -55,14 +104,16 @@ impl Metric for PointError {
             ));
         }
         if good.is_empty() {
-            return Ok(figures);
+            return Ok(Measured { figures, ..Measured::default() });
         }
-        let percent = 100.0 / diagonal;
-        let placed: Vec<Vector3<f64>> = good.iter().map(|&v| input.result[v] - input.truth[v]).collect();
+        let percent = 100.0 / self.diagonal;
+        let placed: Vec<Vector3<f64>> = good.iter().map(|&v| result[v] - truth[v]).collect();
         let shift = mean_vector(&placed);
         let aligned: Vec<Vector3<f64>> = placed.iter().map(|d| d - shift).collect();
 
         let mut errors: Vec<f64> = aligned.iter().map(|d| percent * d.norm()).collect();
+        let mut field = vec![f64::NAN; count];
+        good.iter().zip(&errors).for_each(|(&v, &error)| field[v] = error);
         errors.sort_unstable_by(f64::total_cmp);
         let number = errors.len() as f64;
         figures.set("mean", errors.iter().sum::<f64>() / number);
@@ -70,16 +121,18 @@ impl Metric for PointError {
         for (name, share) in [("p50", 0.50), ("p95", 0.95), ("p99", 0.99), ("max", 1.0)] {
             figures.set(name, percentile(&errors, share));
         }
+        let within = |bound: f64| 100.0 * errors.partition_point(|e| *e <= bound) as f64 / number;
+        figures.set("within", (1..=CURVE).map(|k| within(k as f64 * CURVE_STEP)).collect::<Vec<f64>>());
         figures.set("placed", percent * placed.iter().map(Vector3::norm).sum::<f64>() / number);
 
-        let labels = components(&input);
+        let labels = &self.labels;
         if good.iter().any(|&v| labels[v] > 0) {
-            let offsets: Vec<f64> = component_offsets(&labels, &good, &aligned).iter().map(|d| percent * d).collect();
+            let offsets: Vec<f64> = component_offsets(labels, &good, &aligned).iter().map(|d| percent * d).collect();
             figures.set("components", offsets.len());
             figures.set("comp_mean", offsets.iter().sum::<f64>() / offsets.len() as f64);
             figures.set("comp_max", offsets.iter().copied().fold(0.0, f64::max));
         }
-        Ok(figures)
+        Ok(Measured { figures, field, field_unit: "distance, % of the diagonal" })
     }
 }
 
@@ -95,10 +148,10 @@ fn percentile(sorted: &[f64], share: f64) -> f64 {
 }
 
 /// For each vertex of the rest mesh the component that polygons join it into, numbered by first vertex.
-fn components(input: &MetricInput<'_>) -> Vec<usize> {
-    let count = input.rest.positions.len();
+fn components(rest: &Mesh) -> Vec<usize> {
+    let count = rest.positions.len();
     let mut parent: Vec<usize> = (0..count).collect();
-    for polygon in input.rest.polygons.iter() {
+    for polygon in rest.polygons.iter() {
         for edge in polygon.windows(2) {
             let [a, b] = [edge[0], edge[1]].map(|v| root(&mut parent, v as usize));
             // The smaller vertex stays root, so that components come in order of their first vertex.
@@ -144,7 +197,10 @@ fn component_offsets(labels: &[usize], good: &[usize], moved: &[Vector3<f64>]) -
 
 #[cfg(test)]
 mod tests {
-    use mimesh_core::{mesh::Mesh, testkit::meshes};
+    use mimesh_core::{
+        mesh::{Mesh, Surface},
+        testkit::meshes,
+    };
     use proptest::prelude::*;
 
     use super::*;
@@ -154,7 +210,13 @@ mod tests {
     }
 
     fn measure(rest: &Mesh, result: &[Point3<f64>], truth: &[Point3<f64>]) -> Figures {
-        PointError::default().measure(MetricInput { rest, result, truth }).unwrap()
+        try_measure(rest, result, truth).unwrap()
+    }
+
+    fn try_measure(rest: &Mesh, result: &[Point3<f64>], truth: &[Point3<f64>]) -> Result<Figures> {
+        let surface = Surface::new(rest)?;
+        let subject = Subject::alone(rest, &surface);
+        Ok(PointError::default().bind(subject)?.measure(Judged::against(result, truth))?.figures)
     }
 
     /// Sums of some hundred numbers of size 100 round to about this.
@@ -187,6 +249,8 @@ mod tests {
         assert_figure(&figures, "rms", ((4.0 * near * near + 4.0 * far * far) / 9.0).sqrt());
         assert_figure(&figures, "p50", near);
         assert_figure(&figures, "p95", far);
+        let within = figures.values["within"].as_array().unwrap();
+        assert_eq!((within.len(), within[49].as_f64()), (50, Some(100.0 / 9.0)), "only the centre is within 10 %");
         assert_figure(&figures, "max", far);
     }
 
@@ -242,13 +306,12 @@ mod tests {
     #[test]
     fn counts_that_differ_and_a_mesh_without_size_are_errors() {
         let rest = mesh(meshes::tetrahedron());
-        let measure = |rest, result, truth| PointError::default().measure(MetricInput { rest, result, truth });
-        let error = measure(&rest, &rest.positions[1..], &rest.positions).unwrap_err();
+        let error = try_measure(&rest, &rest.positions[1..], &rest.positions).unwrap_err();
         assert_eq!(error.to_string(), "vertices of the result (#V): expected 4, found 3");
-        let error = measure(&rest, &rest.positions, &rest.positions[1..]).unwrap_err();
+        let error = try_measure(&rest, &rest.positions, &rest.positions[1..]).unwrap_err();
         assert_eq!(error.to_string(), "vertices of the truth (#V): expected 4, found 3");
         let flat = Mesh { positions: vec![Point3::origin(); 4], ..rest.clone() };
-        assert!(measure(&flat, &rest.positions, &rest.positions).unwrap_err().to_string().contains("diagonal 0"));
+        assert!(try_measure(&flat, &rest.positions, &rest.positions).unwrap_err().to_string().contains("diagonal 0"));
     }
 
     proptest! {

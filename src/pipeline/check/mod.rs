@@ -26,6 +26,7 @@ use self::{outputs::Out, shared::Shared, told::Told};
 use super::{
     At, Document, Formats, Pipeline, Step, Variant,
     compose::{self, OneRun},
+    judge::Gate,
     parse,
     report::{Clock, StageReport},
 };
@@ -68,8 +69,10 @@ pub struct Prepared {
     pub markers: Vec<Marker>,
     /// The known results.
     pub truth: Truth,
-    /// What is measured where there is a truth.
+    /// What is measured of every pose.
     pub metrics: Vec<Box<dyn Metric>>,
+    /// The most that figures may be.
+    pub gates: Vec<Gate>,
     /// What is written.
     pub outputs: Outputs,
     /// Every file that is read.
@@ -164,6 +167,7 @@ fn one(
     let markers = check.markers(pipeline.markers.as_ref(), source.map(Arc::as_ref), target.map(Arc::as_ref));
     let truth = check.truth(pipeline.truth.as_deref(), target.map(Arc::as_ref), &poses);
     let metrics = check.metrics(pipeline.metrics.take(), &truth);
+    let gates = check.gates(&pipeline.gates, &metrics, &truth);
     check.stages(&mut pipeline, source.map(Arc::as_ref), target.map(Arc::as_ref), markers.as_deref());
     let out = options
         .out
@@ -190,6 +194,7 @@ fn one(
         markers,
         truth,
         metrics,
+        gates,
         outputs,
     })
 }

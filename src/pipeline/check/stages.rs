@@ -1,4 +1,7 @@
-use std::path::{Path, PathBuf};
+use std::{
+    collections::BTreeMap,
+    path::{Path, PathBuf},
+};
 
 use super::{Check, Side, Truth};
 use crate::{
@@ -7,7 +10,12 @@ use crate::{
         stage::{Marker, Metric, Pair},
     },
     mistake::Mistake,
-    pipeline::{At, Pipeline, Step, document::path},
+    pipeline::{
+        At, Pipeline, Step,
+        document::path,
+        judge::{self, Gate, Unknown},
+        words::did_you_mean,
+    },
     status::Status,
 };
 
@@ -58,22 +66,60 @@ impl Check<'_> {
         }
     }
 
-    /// What is measured: what the pipeline says, else the point error where there is a truth.
+    /// What is measured: what the pipeline says, else what is usual.
     pub(super) fn metrics(&mut self, given: Option<Vec<Box<dyn Metric>>>, truth: &Truth) -> Vec<Box<dyn Metric>> {
-        match given {
-            Some(metrics) => {
-                let wanted = !metrics.is_empty();
-                if wanted && matches!(truth, Truth::None) && self.document.value.get("truth").is_none() {
-                    let hint = "say where the known results are: `truth: truth/{pose}.obj`; or remove `metrics`";
-                    self.wrong(&path(["metrics"]), At::Key, "`metrics` without `truth`", hint);
+        let Some(metrics) = given else {
+            let all = plugin::instances::<dyn Metric>().into_iter().map(|(_, metric)| metric);
+            return all.filter(|metric| metric.by_default()).collect();
+        };
+        let first = metrics.iter().position(|metric| metric.needs_truth());
+        if let Some(i) = first.filter(|_| self.knows_no(truth)) {
+            let hint = "say where the known results are: `truth: truth/{pose}.obj`; or remove it";
+            let message = format!("the metric `{}` without `truth`", metrics[i].typetag_name());
+            self.wrong(&path(["metrics", &i.to_string()]), At::Value, message, hint);
+        }
+        metrics
+    }
+
+    fn knows_no(&self, truth: &Truth) -> bool {
+        matches!(truth, Truth::None) && self.document.value.get("truth").is_none()
+    }
+
+    /// The gates, of what is measured.
+    pub(super) fn gates(
+        &mut self,
+        given: &BTreeMap<String, f64>,
+        metrics: &[Box<dyn Metric>],
+        truth: &Truth,
+    ) -> Vec<Gate> {
+        let (gates, unknown) = judge::gates(given, metrics);
+        for Unknown { key, known } in unknown {
+            let at = path(["gates", &key]);
+            let elsewhere = plugin::instances::<dyn Metric>().into_iter().find(|(name, _)| key.starts_with(*name));
+            let known: Vec<_> = known.iter().map(String::as_str).collect();
+            let hint = match (did_you_mean(&key, &known), elsewhere) {
+                (Some(meant), _) => meant,
+                (None, Some((name, _))) if !known.contains(&name) => {
+                    format!("`{name}` is not measured; add `{{ type: {name} }}` to `metrics`")
                 }
-                metrics
-            }
-            None => {
-                let all = plugin::instances::<dyn Metric>().into_iter();
-                all.filter(|(name, _)| *name == "point_error").map(|(_, metric)| metric).collect()
+                (None, _) => {
+                    format!("gates are METRIC or METRIC_FIGURE, e.g. {}", known[..known.len().min(8)].join(", "))
+                }
+            };
+            self.wrong(&at, At::Key, format!("unknown gate `{key}`"), hint);
+        }
+        for gate in &gates {
+            let at = path(["gates", &gate.key]);
+            let metric = metrics.iter().find(|metric| metric.typetag_name() == gate.metric);
+            if !(gate.limit.is_finite() && gate.limit >= 0.0) {
+                let message = format!("`{}`: expected a number of at least 0, found {}", gate.key, gate.limit);
+                self.wrong(&at, At::Value, message, "the size of a figure may be no more than its gate");
+            } else if metric.is_some_and(|metric| metric.needs_truth()) && self.knows_no(truth) {
+                let hint = "say where the known results are: `truth: truth/{pose}.obj`; or remove the gate";
+                self.wrong(&at, At::Key, format!("the gate `{}` without `truth`", gate.key), hint);
             }
         }
+        gates
     }
 
     fn refused(&mut self, stage: &'static str, name: &str, error: crate::core::Error) {

@@ -5,7 +5,7 @@
 
 use mimesh_core::{
     Error, Figures, Result, register,
-    stage::{Metric, MetricInput},
+    stage::{BoundMetric, Judged, Measured, Metric, Subject},
 };
 use nalgebra::Point3;
 use schemars::JsonSchema;
@@ -24,18 +24,36 @@ pub struct MyStage {
 
 #[typetag::serde(name = "my_stage")]
 impl Metric for MyStage {
-    fn measure(&self, input: MetricInput<'_>) -> Result<Figures> {
+    fn bind<'a>(&self, subject: Subject<'a>) -> Result<Box<dyn BoundMetric + 'a>> {
         Error::check_setting("tolerance", self.tolerance, 0.0, 100.0)?;
-        let count = input.rest.positions.len();
-        Error::check_shape("vertices of the result (#V)", count, input.result.len())?;
-        Error::check_shape("vertices of the truth (#V)", count, input.truth.len())?;
+        Ok(Box::new(Bound { subject, tolerance: self.tolerance }))
+    }
+
+    fn figures(&self) -> Vec<&'static str> {
+        vec!["mean", "max", "edges", "left_out"]
+    }
+
+    fn needs_truth(&self) -> bool {
+        true
+    }
+}
+
+struct Bound<'a> {
+    subject: Subject<'a>,
+    tolerance: f64,
+}
+
+impl BoundMetric for Bound<'_> {
+    fn measure(&self, pose: Judged<'_>) -> Result<Measured> {
+        self.subject.check(&pose)?;
+        let Some(truth) = pose.truth else { return Ok(Measured::default()) };
         let mut figures = Figures::default();
         let (mut sum, mut max, mut edges, mut left_out) = (0.0, 0.0f64, 0usize, 0usize);
-        for polygon in input.rest.polygons.iter() {
+        for polygon in self.subject.rest.polygons.iter() {
             for (k, &a) in polygon.iter().enumerate() {
                 let b = polygon[(k + 1) % polygon.len()];
                 let length = |at: &[Point3<f64>]| (at[b as usize] - at[a as usize]).norm();
-                let difference = 100.0 * (length(input.result) / length(input.truth)).ln().abs();
+                let difference = 100.0 * (length(pose.result) / length(truth)).ln().abs();
                 // An edge without a length, or with a vertex that is not finite.
                 if !difference.is_finite() {
                     left_out += 1;
@@ -53,7 +71,8 @@ impl Metric for MyStage {
             figures.set("mean", sum / edges as f64);
             figures.set("max", max);
         }
-        Ok(figures)
+        // `field`, a value for each vertex, would colour the pictures of a report.
+        Ok(Measured { figures, ..Measured::default() })
     }
 }
 
@@ -69,8 +88,8 @@ mod tests {
         let rest = Mesh::from_triangles(surface.positions.clone(), &surface.triangles);
         let twice: Vec<_> = rest.positions.iter().map(|p| p * 2.0).collect();
         let measure = |result: &[Point3<f64>]| {
-            let input = MetricInput { rest: &rest, result, truth: &rest.positions };
-            MyStage::default().measure(input).unwrap().number("mean").unwrap()
+            let bound = MyStage::default().bind(Subject::alone(&rest, &surface)).unwrap();
+            bound.measure(Judged::against(result, &rest.positions)).unwrap().figures.number("mean").unwrap()
         };
         assert_eq!(measure(&rest.positions), 0.0);
         // A logarithm and a mean round a little.

@@ -1,0 +1,227 @@
+//! Judging poses: all metrics of a pipeline bound to its meshes, verdicts from their limits, and gates.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+use serde_json::{Map, Value};
+
+use crate::core::{
+    Result,
+    stage::{BoundMetric, Judged, Limit, Measured, Metric, Subject},
+};
+
+/// The metrics of a run, ready to measure poses.
+pub struct Judges<'a> {
+    judges: Vec<Judge<'a>>,
+    gates: Vec<Gate>,
+}
+
+struct Judge<'a> {
+    name: String,
+    needs_truth: bool,
+    limits: Vec<Limit>,
+    bound: Box<dyn BoundMetric + 'a>,
+}
+
+/// A limit that a pipeline sets: a pose whose figure is larger, whatever its sign, fails.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Gate {
+    /// As it is written.
+    pub key: String,
+    /// Type of the metric.
+    pub metric: String,
+    /// Its figure.
+    pub figure: String,
+    /// The largest that passes.
+    pub limit: f64,
+}
+
+/// What a figure can be.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Level {
+    /// Nothing to see.
+    #[default]
+    Good,
+    /// Worth a look.
+    Doubtful,
+    /// Something is wrong.
+    Bad,
+    /// A gate of the pipeline says no.
+    Failed,
+}
+
+/// What is to be said of a pose.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Verdict {
+    /// The worst of its reasons.
+    pub level: Level,
+    /// Why it is not good, worst first.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub reasons: Vec<Reason>,
+}
+
+/// A figure above its limit.
+#[derive(Clone, Debug, Serialize)]
+pub struct Reason {
+    /// How bad that is.
+    pub level: Level,
+    /// Type of the metric.
+    pub metric: String,
+    /// Its figure.
+    pub figure: String,
+    /// What was found.
+    pub value: f64,
+    /// What would pass.
+    pub limit: f64,
+}
+
+impl Reason {
+    /// How many times the limit was found; at least 1, and infinite where nothing was to be.
+    pub fn excess(&self) -> f64 {
+        if self.limit > 0.0 { self.value.abs() / self.limit } else { f64::INFINITY }
+    }
+}
+
+/// What all metrics say of a pose.
+#[derive(Debug, Default)]
+pub struct Judgement {
+    /// By type of metric; those that say nothing are left out.
+    pub measured: Vec<(String, Measured)>,
+}
+
+impl Judgement {
+    /// The figures by type of metric.
+    pub fn figures(&self) -> Map<String, Value> {
+        let value = |measured: &Measured| serde_json::to_value(&measured.figures).unwrap_or_default();
+        self.measured.iter().map(|(name, measured)| (name.clone(), value(measured))).collect()
+    }
+
+    fn number(&self, metric: &str, figure: &str) -> Option<f64> {
+        self.measured.iter().find(|(name, _)| name == metric).and_then(|(_, measured)| measured.figures.number(figure))
+    }
+}
+
+impl<'a> Judges<'a> {
+    /// Metrics bound to what they are to judge, without gates.
+    ///
+    /// # Errors
+    ///
+    /// Of the metric.
+    pub fn bind(metrics: &[Box<dyn Metric>], subject: Subject<'a>) -> Result<Self> {
+        let judge = |metric: &Box<dyn Metric>| {
+            Ok(Judge {
+                name: metric.typetag_name().to_owned(),
+                needs_truth: metric.needs_truth(),
+                limits: metric.limits(),
+                bound: metric.bind(subject)?,
+            })
+        };
+        Ok(Self { judges: metrics.iter().map(judge).collect::<Result<_>>()?, gates: vec![] })
+    }
+
+    /// The same with gates.
+    pub fn with_gates(self, gates: &[Gate]) -> Self {
+        Self { gates: gates.to_vec(), ..self }
+    }
+
+    /// Whether any looks at what the source did.
+    pub fn want_source(&self) -> bool {
+        self.judges.iter().any(|judge| !judge.needs_truth)
+    }
+
+    /// What all say of `pose`.
+    ///
+    /// # Errors
+    ///
+    /// Of the metric.
+    pub fn measure(&self, pose: Judged<'_>) -> Result<Judgement> {
+        self.ask(pose, |_| true)
+    }
+
+    /// What those say that measure against the known result.
+    ///
+    /// # Errors
+    ///
+    /// Of the metric.
+    pub fn against_truth(&self, pose: Judged<'_>) -> Result<Judgement> {
+        self.ask(pose, |judge| judge.needs_truth)
+    }
+
+    fn ask(&self, pose: Judged<'_>, who: impl Fn(&Judge<'_>) -> bool) -> Result<Judgement> {
+        let mut measured = Vec::new();
+        for judge in self.judges.iter().filter(|judge| who(judge)) {
+            let one = judge.bound.measure(pose)?;
+            if !one.figures.values.is_empty() {
+                measured.push((judge.name.clone(), one));
+            }
+        }
+        Ok(Judgement { measured })
+    }
+
+    /// What is to be said of a pose; `None` if nothing was measured.
+    pub fn verdict(&self, judgement: &Judgement) -> Option<Verdict> {
+        if judgement.measured.is_empty() {
+            return None;
+        }
+        let mut reasons = Vec::new();
+        let mut above = |level, metric: &str, figure: &str, limit: f64| {
+            let Some(value) = judgement.number(metric, figure).filter(|value| value.abs() > limit) else { return };
+            reasons.push(Reason { level, metric: metric.into(), figure: figure.into(), value, limit });
+        };
+        let gated = |metric: &str, figure: &str| self.gates.iter().any(|g| g.metric == metric && g.figure == figure);
+        for gate in &self.gates {
+            above(Level::Failed, &gate.metric, &gate.figure, gate.limit);
+        }
+        for judge in &self.judges {
+            // What a pipeline says of a figure goes before what the metric says.
+            for limit in judge.limits.iter().filter(|limit| !gated(&judge.name, limit.figure)) {
+                let found = judgement.number(&judge.name, limit.figure).unwrap_or(0.0).abs();
+                if found > limit.bad {
+                    above(Level::Bad, &judge.name, limit.figure, limit.bad);
+                } else {
+                    above(Level::Doubtful, &judge.name, limit.figure, limit.doubtful);
+                }
+            }
+        }
+        reasons.sort_by(|a, b| b.level.cmp(&a.level).then(b.excess().total_cmp(&a.excess())));
+        let level = reasons.first().map_or(Level::Good, |reason| reason.level);
+        Some(Verdict { level, reasons })
+    }
+}
+
+/// The gates that `given` declares for `metrics`: `METRIC_FIGURE`, or `METRIC` for the figure that says most.
+///
+/// # Errors
+///
+/// For each key that stands for none the key, and all that could be meant.
+pub fn gates(given: &BTreeMap<String, f64>, metrics: &[Box<dyn Metric>]) -> (Vec<Gate>, Vec<Unknown>) {
+    let mut known: Vec<(String, &'static str, &'static str)> = Vec::new();
+    for metric in metrics {
+        let (name, figures) = (metric.typetag_name(), metric.figures());
+        known.extend(figures.first().map(|first| (name.to_owned(), name, *first)));
+        known.extend(figures.iter().map(|figure| (format!("{name}_{figure}"), name, *figure)));
+    }
+    let (mut gates, mut unknown) = (Vec::new(), Vec::new());
+    for (key, &limit) in given {
+        match known.iter().find(|(name, ..)| name == key) {
+            Some((_, metric, figure)) => {
+                gates.push(Gate { key: key.clone(), metric: (*metric).into(), figure: (*figure).into(), limit });
+            }
+            None => {
+                let known = known.iter().map(|(name, ..)| name.clone()).collect();
+                unknown.push(Unknown { key: key.clone(), known });
+            }
+        }
+    }
+    (gates, unknown)
+}
+
+/// A gate of no figure.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Unknown {
+    /// As it is written.
+    pub key: String,
+    /// What could stand there.
+    pub known: Vec<String>,
+}
