@@ -19,7 +19,7 @@ pub fn print_json(value: &impl Serialize) {
 }
 
 /// More mistakes than this are counted only: they mostly have one cause.
-const MOST_MISTAKES: usize = 20;
+const MOST_MISTAKES: usize = 100;
 
 /// Tells on stderr what went wrong.
 pub fn tell(failure: &Failure) {

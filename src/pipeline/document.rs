@@ -138,7 +138,7 @@ fn not_yaml(text: &Arc<Text>, error: serde_saphyr::Error) -> Mistake {
             "put a glob that begins with `*` in quotes: `\"*.obj\"`",
         )
     } else {
-        (told, "a `:` or `#` inside a text needs quotes, and lines of one map the same indentation")
+        (told, "a text with `:`, `#` or `{…}` in it needs quotes, and lines of one map the same indentation")
     };
     Mistake::new(Status::BadPipeline, format!("not valid YAML: {message}")).at(place).hint(hint)
 }

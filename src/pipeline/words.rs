@@ -29,7 +29,7 @@ pub fn tell(error: &str, key: &str, stage: Option<&str>, choices: &[String]) -> 
     if let Some(rest) = error.strip_prefix("unknown variant ") {
         let found = quoted.next().unwrap_or(rest).to_owned();
         let listed: Vec<_> = quoted.map(str::to_owned).collect();
-        return match stage {
+        return match stage.or_else(|| kind_of(&listed)) {
             Some(stage) => Told { about_key: false, ..unknown_type(stage, &found) },
             None => {
                 let hint = did_you_mean(&found, &listed);
@@ -85,6 +85,17 @@ pub fn nearest<'k, S: AsRef<str>>(found: &str, known: &'k [S]) -> Option<&'k S> 
 /// The registered types of a stage.
 pub fn types(stage: &str) -> Vec<&'static str> {
     plugin::all().into_iter().filter(|plugin| plugin.stage == stage).map(|plugin| (plugin.name)()).collect()
+}
+
+/// The stage whose types are all of `names`: what is nested in a stage may stand under a key of any name.
+fn kind_of(names: &[String]) -> Option<&'static str> {
+    let sorted = |mut names: Vec<&str>| {
+        names.sort_unstable();
+        names.into_iter().map(str::to_owned).collect::<Vec<_>>()
+    };
+    let names = sorted(names.iter().map(String::as_str).collect());
+    let kinds: std::collections::BTreeSet<_> = plugin::all().into_iter().map(|plugin| plugin.stage).collect();
+    kinds.into_iter().find(|kind| sorted(types(kind)) == names)
 }
 
 fn expectation(expected: &str, stage: Option<&str>) -> String {
