@@ -4,6 +4,7 @@
 //! - [`core`]: meshes, operators, the stage traits and the registry (crate `mimesh-core`);
 //! - [`pipeline`]: what a YAML file declares, how it is read and checked, and how it runs;
 //! - [`markers`]: files of corresponding points;
+//! - [`page`]: what a run or several look like in a browser;
 //! - [`mistake`] and [`status`]: how something wrong is told, and with which exit status;
 //! - [`cli`]: the command line, one file a subcommand.
 //!
@@ -19,8 +20,10 @@
 pub mod cli;
 pub mod markers;
 pub mod mistake;
+pub mod page;
 pub mod pipeline;
 pub mod status;
+mod text;
 
 pub use mimesh_core as core;
 pub use pipeline::Pipeline;

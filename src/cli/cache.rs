@@ -2,10 +2,8 @@ use std::path::PathBuf;
 
 use serde_json::json;
 
-use super::{
-    Ended, terminal,
-    text::{bytes, count, pairs},
-};
+use super::{Ended, terminal};
+use crate::text::{bytes, count, pairs};
 use crate::{
     mistake,
     pipeline::cache::{Cache, DEFAULT_LIMIT},

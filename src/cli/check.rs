@@ -2,12 +2,8 @@ use std::{collections::HashSet, path::PathBuf};
 
 use serde_json::json;
 
-use super::{
-    Ended,
-    run::Overrides,
-    terminal,
-    text::{count, pairs},
-};
+use super::{Ended, run::Overrides, terminal};
+use crate::text::{count, pairs};
 use crate::{
     mistake::Mistake,
     pipeline::{self, Prepared, check::PoseFrom},

@@ -4,13 +4,13 @@ use std::fmt::Write as _;
 
 use serde_json::{Value, json};
 
-use super::text::{number, thousands};
 use crate::core::{
     Result,
     mesh::{Mesh, Surface},
     plugin::instances,
     stage::{Proximity, ProximityGraph},
 };
+use crate::text::{number, thousands};
 
 /// The components of one mesh, linked by the first registered proximity with its defaults.
 pub struct ComponentGraph {

@@ -2,12 +2,8 @@ use std::path::PathBuf;
 
 use serde_json::{Value, json};
 
-use super::{
-    Ended,
-    components::ComponentGraph,
-    terminal,
-    text::{bytes, count, number, pairs, seconds, thousands},
-};
+use super::{Ended, components::ComponentGraph, terminal};
+use crate::text::{bytes, count, number, pairs, seconds, thousands};
 use crate::{
     core::mesh::{MeshSequence, Statistics},
     pipeline::{Formats, check::in_file},

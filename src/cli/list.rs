@@ -1,6 +1,7 @@
 use serde_json::{Value, json};
 
-use super::{Ended, terminal, text::pairs};
+use super::{Ended, terminal};
+use crate::text::pairs;
 use crate::{
     core::{Plugin, plugin},
     pipeline::settings_schema,

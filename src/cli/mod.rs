@@ -17,7 +17,6 @@ mod score;
 mod show;
 mod summary;
 mod terminal;
-mod text;
 
 use std::process::ExitCode;
 

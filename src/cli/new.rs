@@ -5,7 +5,8 @@ use std::{
 
 use clap::builder::PossibleValuesParser;
 
-use super::{Ended, terminal, text::pairs};
+use super::{Ended, terminal};
+use crate::text::pairs;
 use crate::{
     core::plugin,
     mistake::{Mistake, Place, Result, io_message, read_text},

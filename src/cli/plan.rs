@@ -2,7 +2,8 @@ use std::path::PathBuf;
 
 use serde_json::json;
 
-use super::{Ended, cache::CacheOptions, run::Overrides, terminal, text::pairs};
+use super::{Ended, cache::CacheOptions, run::Overrides, terminal};
+use crate::text::pairs;
 use crate::{
     pipeline::{
         self,

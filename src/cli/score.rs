@@ -3,7 +3,8 @@ use std::path::{Path, PathBuf};
 use nalgebra::Point3;
 use serde_json::json;
 
-use super::{Ended, summary::scores, terminal, text::count};
+use super::{Ended, summary::scores, terminal};
+use crate::text::count;
 use crate::{
     core::{
         mesh::{Mesh, MeshSequence, Surface, diagonal},

@@ -1,6 +1,7 @@
 use serde_json::{Map, Value, json};
 
-use super::{Ended, list::description, terminal, text::pairs};
+use super::{Ended, list::description, terminal};
+use crate::text::pairs;
 use crate::{
     core::{Plugin, plugin},
     mistake::Mistake,

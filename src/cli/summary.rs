@@ -4,7 +4,7 @@ use std::{fmt::Write, path::Path};
 
 use serde_json::{Map, Value};
 
-use super::text::{bytes, count, number, pairs, seconds, table};
+use crate::text::{bytes, count, number, pairs, seconds, table};
 use crate::{
     core::Figures,
     pipeline::{

@@ -19,7 +19,7 @@ use crate::{
 };
 
 /// The keys of a pipeline, in the order of its documentation.
-pub const SLOTS: [&str; 13] = [
+pub const SLOTS: [&str; 14] = [
     "source",
     "target",
     "key_points",
@@ -31,6 +31,7 @@ pub const SLOTS: [&str; 13] = [
     "truth",
     "metrics",
     "gates",
+    "pictures",
     "formats",
     "output",
 ];
@@ -59,6 +60,7 @@ pub fn parse(document: &Document) -> (Pipeline, Vec<Mistake>) {
         transfer: slots.required("transfer"),
         truth: slots.optional("truth"),
         metrics: slots.list("metrics"),
+        pictures: slots.optional("pictures").unwrap_or_default(),
         gates: slots.optional("gates").unwrap_or_default(),
         formats: slots.list("formats").unwrap_or_default(),
         output: slots.required("output").unwrap_or_default(),

@@ -11,6 +11,7 @@ use super::{
     cache::{Cache, Key, Moved, Recipes},
     check::{Output, PoseFrom, PoseInput, Prepared, Side},
     judge::Judges,
+    pictures::Gallery,
     report::PoseReport,
     run::of_pose,
     staging::{self, Staged},
@@ -41,6 +42,8 @@ pub struct Bench<'a> {
     pub shelf: Option<Shelf<'a>>,
     /// What measures results.
     pub judges: &'a Judges<'a>,
+    /// What takes pictures, if any are wanted.
+    pub gallery: Option<&'a Gallery<'a>>,
     /// Is told of every pose.
     pub watch: &'a dyn Watch,
 }
@@ -197,7 +200,7 @@ impl Bench<'_> {
     fn pose(&self, i: usize, pose: &PoseInput) -> Tried<Ready> {
         if let Some(moved) = self.shelf.and_then(|shelf| shelf.get(i)) {
             // What the source did in it is only to measure against.
-            let posed = self.judges.want_source().then(|| self.posed(pose).ok()).flatten();
+            let posed = self.wants_source().then(|| self.posed(pose).ok()).flatten();
             return Ok(self.ready(moved, true, posed.as_deref()));
         }
         let Some(bound) = self.bound else {
@@ -220,8 +223,12 @@ impl Bench<'_> {
         chunk.iter().zip(read).map(frame).collect()
     }
 
+    fn wants_source(&self) -> bool {
+        self.judges.want_source() || self.gallery.is_some()
+    }
+
     fn ready(&self, (positions, figures): Moved, reused: bool, posed: Option<&[Point3<f64>]>) -> Ready {
-        let posed = posed.filter(|_| self.judges.want_source());
+        let posed = posed.filter(|_| self.wants_source());
         let source = posed.and_then(|posed| self.prepared.source.surface.from_mesh(posed).ok());
         Ready { positions, figures, reused, source }
     }
@@ -293,6 +300,16 @@ impl Bench<'_> {
         let judgement = self.judges.measure(judged)?;
         report.verdict = self.judges.verdict(&judgement);
         report.metrics = judgement.figures();
+        if let Some(gallery) = self.gallery {
+            gallery.take(
+                i,
+                &report.name,
+                ready.source.as_deref(),
+                &ready.positions,
+                &judgement,
+                report.verdict.as_ref(),
+            );
+        }
         if let Some(truth) = &truth {
             report.nothing = self.judges.against_truth(Judged::against(&rest.positions, truth))?.figures();
         }

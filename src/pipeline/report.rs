@@ -2,7 +2,7 @@
 
 use std::{path::PathBuf, time::Instant};
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
 use super::{
@@ -12,19 +12,19 @@ use super::{
     process::{self, Usage},
     staging::WrittenFile,
 };
-use crate::core::{Figures, mesh::Topology};
+use crate::core::{Figures, mesh::Topology, plugin, stage::Metric};
 
 /// A run, whole.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Deserialize, Serialize)]
 pub struct Report {
     /// The program's version.
-    pub mimesh: &'static str,
+    pub mimesh: String,
     /// `done`, or `partly` if some poses failed.
-    pub status: &'static str,
+    pub status: String,
     /// The pipeline's file.
     pub pipeline: PathBuf,
     /// Which of its runs this was, if it declares several.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub run: Option<RunOf>,
     /// Its settings in full, with defaults and with what the command line set.
     pub settings: Value,
@@ -41,17 +41,17 @@ pub struct Report {
     /// Number of markers.
     pub markers: usize,
     /// The worst verdict of any pose; none where nothing was measured.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub verdict: Option<Level>,
     /// The gates of the pipeline.
-    #[serde(skip_serializing_if = "Map::is_empty")]
+    #[serde(default, skip_serializing_if = "Map::is_empty")]
     pub gates: Map<String, Value>,
     /// The stages in their order.
     pub stages: Vec<StageReport>,
     /// The poses in their order.
     pub poses: Vec<PoseReport>,
     /// For each metric its figures over all poses.
-    #[serde(skip_serializing_if = "Map::is_empty")]
+    #[serde(default, skip_serializing_if = "Map::is_empty")]
     pub metrics: Map<String, Value>,
     /// Every file written, without this one.
     pub outputs: Vec<WrittenFile>,
@@ -64,15 +64,15 @@ pub struct Report {
 }
 
 /// One of the runs that a pipeline declares.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub struct RunOf {
     /// Its name, which `{name}` stands for.
     pub name: String,
     /// The target's name.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub target: Option<String>,
     /// The keys that the matrix varies, with their values.
-    #[serde(skip_serializing_if = "Map::is_empty")]
+    #[serde(default, skip_serializing_if = "Map::is_empty")]
     pub matrix: Map<String, Value>,
 }
 
@@ -86,10 +86,10 @@ impl RunOf {
 }
 
 /// A file that was read.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize, Serialize)]
 pub struct InputFile {
     /// What it is.
-    pub role: &'static str,
+    pub role: String,
     /// The file.
     pub path: PathBuf,
     /// Its size.
@@ -99,7 +99,7 @@ pub struct InputFile {
 }
 
 /// Counts and size of a mesh.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Deserialize, Serialize)]
 pub struct MeshFigures {
     /// Vertices of the file.
     pub vertices: usize,
@@ -118,20 +118,20 @@ pub struct MeshFigures {
 }
 
 /// A stage that ran once.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Deserialize, Serialize)]
 pub struct StageReport {
     /// What was done, e.g. `correspondence`.
-    pub stage: &'static str,
+    pub stage: String,
     /// By which implementation; empty for what the pipeline does itself.
-    #[serde(rename = "type", skip_serializing_if = "String::is_empty")]
+    #[serde(rename = "type", default, skip_serializing_if = "String::is_empty")]
     pub name: String,
     /// Time on the clock.
     pub seconds: f64,
     /// CPU time of all threads.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cpu_seconds: Option<f64>,
     /// Whether its result was kept from an earlier run.
-    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub reused: bool,
     /// What it says of its work.
     pub figures: Figures,
@@ -161,31 +161,31 @@ impl Clock {
     pub fn stop(self, stage: &'static str, name: &str, figures: Figures) -> StageReport {
         let cpu_seconds = process::usage().cpu_seconds.zip(self.cpu_seconds).map(|(now, then)| now - then);
         let seconds = self.begin.elapsed().as_secs_f64();
-        StageReport { stage, name: name.into(), seconds, cpu_seconds, reused: false, figures }
+        StageReport { stage: stage.into(), name: name.into(), seconds, cpu_seconds, reused: false, figures }
     }
 }
 
 /// A pose.
-#[derive(Clone, Debug, Default, Serialize)]
+#[derive(Clone, Debug, Default, Deserialize, Serialize)]
 pub struct PoseReport {
     /// Its name.
     pub name: String,
     /// Why it failed, if it did.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error: Option<Value>,
     /// Whether it was kept from an earlier run.
-    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub reused: bool,
     /// What the transfer says of it.
     pub figures: Figures,
     /// What is to be said of it; none where nothing was measured.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub verdict: Option<Verdict>,
     /// For each metric its figures.
-    #[serde(skip_serializing_if = "Map::is_empty")]
+    #[serde(default, skip_serializing_if = "Map::is_empty")]
     pub metrics: Map<String, Value>,
     /// Those against the truth for the target at rest in place of the result.
-    #[serde(skip_serializing_if = "Map::is_empty")]
+    #[serde(default, skip_serializing_if = "Map::is_empty")]
     pub nothing: Map<String, Value>,
 }
 
@@ -203,6 +203,38 @@ impl MeshFigures {
             diagonal: mesh.diagonal(),
         }
     }
+}
+
+/// The figure that a metric is told by.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Headline {
+    /// Type of the metric.
+    pub metric: String,
+    /// The figure.
+    pub figure: String,
+}
+
+impl Headline {
+    /// That figure of a pose.
+    pub fn of(&self, pose: &PoseReport) -> Option<f64> {
+        pose.metrics.get(&self.metric)?.get(&self.figure)?.as_f64()
+    }
+}
+
+/// For each metric that says anything of `poses` the figure that says most.
+pub fn headlines(poses: &[PoseReport]) -> Vec<Headline> {
+    let mut all: Vec<Headline> = Vec::new();
+    for (metric, figures) in poses.iter().flat_map(|pose| &pose.metrics) {
+        if all.iter().any(|one| one.metric == *metric) {
+            continue;
+        }
+        let known = plugin::instance::<dyn Metric>(metric).and_then(|metric| metric.figures().first().copied());
+        let first = || figures.as_object()?.iter().find(|(_, value)| value.is_number()).map(|(name, _)| name.clone());
+        if let Some(figure) = known.map(str::to_owned).or_else(first) {
+            all.push(Headline { metric: metric.clone(), figure });
+        }
+    }
+    all
 }
 
 /// For each metric `average`, `worst` and `nothing` over poses: means, but the root mean square of `rms`, and largest

@@ -10,6 +10,7 @@ use super::{
     check::Prepared,
     hash::hash_file,
     judge::{Judges, Level},
+    pictures::Gallery,
     poses::{self, Bench, Shelf, Stream},
     process,
     report::{Clock, InputFile, MeshFigures, PoseReport, Report, RunOf, StageReport, over_poses},
@@ -22,6 +23,7 @@ use crate::{
         stage::{Pair, ProximityGraph, Subject, TriangleMap},
     },
     mistake::{Failure, Mistake, Place, Result},
+    page,
     status::Status,
 };
 
@@ -163,8 +165,17 @@ impl Run<'_> {
             map: known.filter(|map| map.orphan_count() < map.partners.len()),
         };
         let judges = Judges::bind(&prepared.metrics, subject)?.with_gates(&prepared.gates);
-        let bench =
-            Bench { prepared, transfer: transfer.typetag_name(), bound, shelf, judges: &judges, watch: self.watch };
+        let outputs = &prepared.outputs;
+        let gallery = (!outputs.pages.is_empty() || !outputs.sheets.is_empty()).then(|| Gallery::new(prepared));
+        let bench = Bench {
+            prepared,
+            transfer: transfer.typetag_name(),
+            bound,
+            shelf,
+            judges: &judges,
+            gallery: gallery.as_ref(),
+            watch: self.watch,
+        };
         let clock = Clock::start();
         let Stream { poses, failed, files, warnings } = bench.stream()?;
         staged.extend(files);
@@ -183,8 +194,8 @@ impl Run<'_> {
         }
         let of_cache = self.cache.map(Cache::warnings).unwrap_or_default();
         let mut report = Report {
-            mimesh: env!("CARGO_PKG_VERSION"),
-            status: if failed.is_empty() { "done" } else { "partly" },
+            mimesh: env!("CARGO_PKG_VERSION").into(),
+            status: if failed.is_empty() { "done" } else { "partly" }.into(),
             pipeline: prepared.file.clone(),
             settings: settings(prepared),
             set: set.to_vec(),
@@ -205,6 +216,10 @@ impl Run<'_> {
             process: process::usage(),
         };
         deduplicate(&mut report.warnings);
+        if let Some(gallery) = gallery {
+            let looks = looks(prepared, &report, gallery)?;
+            report.outputs.extend(staging::commit(looks)?);
+        }
         write_report(&prepared.outputs.report, &report)?;
         Ok(Outcome { report, failed })
     }
@@ -280,6 +295,24 @@ fn keep(path: &Path, map: &TriangleMap) -> crate::core::Result<staging::Staged> 
     })
 }
 
+/// The pages and sheets of a run, written aside.
+fn looks(prepared: &Prepared, report: &Report, gallery: Gallery<'_>) -> crate::core::Result<Vec<staging::Staged>> {
+    let mut staged = Vec::new();
+    let write = |path: &Path, bytes: &[u8]| {
+        staging::stage(path, |out| out.write_all(bytes).map_err(|error| Error::write(path, error)))
+    };
+    for path in &prepared.outputs.sheets {
+        staged.push(write(path, &gallery.sheet())?);
+    }
+    if !prepared.outputs.pages.is_empty() {
+        let page = page::page(report, &gallery.pictures());
+        for path in &prepared.outputs.pages {
+            staged.push(write(path, page.as_bytes())?);
+        }
+    }
+    Ok(staged)
+}
+
 fn write_report(path: &Path, report: &Report) -> crate::core::Result<()> {
     let text = serde_json::to_string_pretty(report).unwrap_or_default();
     let staged = staging::stage(path, |out| writeln!(out, "{text}").map_err(|error| Error::write(path, error)))?;
@@ -299,7 +332,7 @@ fn inputs(prepared: &Prepared) -> Result<Vec<InputFile>> {
     let hashed = |input: &super::check::Input| {
         let bytes = std::fs::metadata(&input.path)?.len();
         let blake3 = hash_file(&input.path)?;
-        Ok(InputFile { role: input.role, path: input.path.clone(), bytes, blake3 })
+        Ok(InputFile { role: input.role.into(), path: input.path.clone(), bytes, blake3 })
     };
     let told = |input: &super::check::Input| match hashed(input) {
         Ok(file) => Some(Ok(file)),

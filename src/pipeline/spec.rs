@@ -59,11 +59,16 @@ pub struct Pipeline {
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     #[schemars(extend("examples" = [{ "point_error_p95": 2.0, "flipped_triangles": 0 }]))]
     pub gates: BTreeMap<String, f64>,
+    /// How the pictures of `report.html` and `.png` outputs are taken.
+    #[serde(default)]
+    pub pictures: PictureSettings,
     /// Settings of file formats that differ from their defaults, e.g. `[{ type: glb, frames_per_second: 30 }]`.
     #[serde(default)]
     pub formats: Vec<Box<dyn Format>>,
     /// Files to write: for one file a pose a path with `{pose}`, for all poses in one file a path without.
-    #[schemars(extend("examples" = [["out/camel-{pose}.obj", "out/camel.glb"]]))]
+    ///
+    /// A `.html` is a report to look at, with verdicts, pictures and curves; a `.png` a sheet of pictures of all poses.
+    #[schemars(extend("examples" = [["out/camel-{pose}.obj", "out/camel.glb", "out/report.html"]]))]
     pub output: OneOrMany,
 }
 
@@ -95,4 +100,44 @@ pub struct Target {
     /// Made instead of read; its poses are the truth.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sample: Option<Box<dyn Sample>>,
+}
+
+/// From where the meshes are looked at.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct PictureSettings {
+    /// The side that is seen.
+    pub view: ViewFrom,
+    /// The axis that points up.
+    pub up: Up,
+}
+
+/// A side to look from; the front is that towards which z points, or with z up, that away from y.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema, clap::ValueEnum)]
+#[serde(rename_all = "snake_case")]
+#[value(rename_all = "snake_case")]
+pub enum ViewFrom {
+    /// From the front, turned and raised a little.
+    #[default]
+    ThreeQuarter,
+    /// From the front.
+    Front,
+    /// From the side.
+    Side,
+    /// From above.
+    Top,
+}
+
+/// The axis that points up.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema, clap::ValueEnum)]
+#[serde(rename_all = "snake_case")]
+#[value(rename_all = "snake_case")]
+pub enum Up {
+    /// As in glTF, Maya and most files of faces and bodies.
+    #[default]
+    Y,
+    /// As in Blender, Unreal and CAD.
+    Z,
+    /// Seldom.
+    X,
 }

@@ -26,7 +26,7 @@ pub struct Staged {
 }
 
 /// A file that is in its place.
-#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
 pub struct WrittenFile {
     /// The file.
     pub path: PathBuf,

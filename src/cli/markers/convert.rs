@@ -2,10 +2,11 @@ use serde_json::json;
 
 use super::{Common, percent, told};
 use crate::{
-    cli::{Ended, terminal, text::count},
+    cli::{Ended, terminal},
     core::mesh::SurfacePoint,
     markers::{MarkerFile, MarkerFiles, given::OnMeshes},
     status::Status,
+    text::count,
 };
 
 /// Writes markers in another notation, and tells how far points lay off their mesh.

@@ -18,6 +18,10 @@ pub struct Outputs {
     pub meshes: Vec<Output>,
     /// Where the correspondence is kept, if it is.
     pub correspondence: Option<PathBuf>,
+    /// Pages to look at the results.
+    pub pages: Vec<PathBuf>,
+    /// Sheets of pictures.
+    pub sheets: Vec<PathBuf>,
     /// The report of the run, beside the first result.
     pub report: PathBuf,
 }
@@ -29,7 +33,8 @@ impl Outputs {
             Output::Poses(paths) => paths.as_slice(),
             Output::Sequence(path) => std::slice::from_ref(path),
         });
-        meshes.chain(&self.correspondence).chain([&self.report]).map(PathBuf::as_path).collect()
+        let looks = self.pages.iter().chain(&self.sheets);
+        meshes.chain(looks).chain(&self.correspondence).chain([&self.report]).map(PathBuf::as_path).collect()
     }
 }
 
@@ -54,7 +59,7 @@ impl Check<'_> {
             items.map(|(i, item)| (i, place(&output_at(pipeline, i), Path::new(item)))).collect();
         let correspondence =
             pipeline.keep_correspondence.as_deref().map(|file| place(&path(["keep_correspondence"]), file));
-        let mut outputs = Outputs { meshes: vec![], correspondence, report: PathBuf::new() };
+        let mut outputs = Outputs { correspondence, ..Outputs::default() };
         let read = self.inputs.iter().map(|input| (resolve::identity(&input.path), input.role));
         let mut places = Places { read: read.collect(), out: out.map(|out| out.typed), ..Places::default() };
         self.empty_texts(&path(["output"]));
@@ -64,7 +69,14 @@ impl Check<'_> {
         let before = self.mistakes.len();
         for (i, pattern) in &patterns {
             let at = output_at(pipeline, *i);
-            if let Some(output) = self.output(pattern, poses, &at) {
+            if let Some(kind) = Look::of(pattern) {
+                if self.look(pattern, &at) && self.writable(pattern, &at, &mut places) {
+                    match kind {
+                        Look::Page => outputs.pages.push(pattern.clone()),
+                        Look::Sheet => outputs.sheets.push(pattern.clone()),
+                    }
+                }
+            } else if let Some(output) = self.output(pattern, poses, &at) {
                 // One file tells what is wrong with all of a pattern.
                 let _ = output.files().iter().all(|file| self.writable(file, &at, &mut places));
                 outputs.meshes.push(output);
@@ -87,6 +99,17 @@ impl Check<'_> {
             }
         }
         outputs
+    }
+
+    /// Whether `pattern` can name a page or a sheet.
+    fn look(&mut self, pattern: &Path, at: &[Step]) -> bool {
+        let name = pattern.file_name().unwrap_or_default().to_string_lossy();
+        let placeholder = resolve::placeholders(&name).first().map(|name| format!("{{{name}}}"));
+        if let Some(placeholder) = &placeholder {
+            let message = format!("{} shows all poses, so its name cannot have `{placeholder}`", pattern.display());
+            self.wrong(at, At::Value, message, format!("remove `{placeholder}`"));
+        }
+        placeholder.is_none()
     }
 
     fn output(&mut self, pattern: &Path, poses: &[PoseInput], at: &[Step]) -> Option<Output> {
@@ -172,6 +195,22 @@ impl Check<'_> {
         let fine = mistake.is_none();
         self.mistakes.extend(mistake);
         fine
+    }
+}
+
+/// What is made to be looked at.
+enum Look {
+    Page,
+    Sheet,
+}
+
+impl Look {
+    fn of(path: &Path) -> Option<Self> {
+        match path.extension()?.to_string_lossy().to_lowercase().as_str() {
+            "html" | "htm" => Some(Self::Page),
+            "png" => Some(Self::Sheet),
+            _ => None,
+        }
     }
 }
 

@@ -47,9 +47,9 @@ struct Column {
 
 impl Row {
     /// `done`, `partly` or `failed`.
-    pub fn status(&self) -> &'static str {
+    pub fn status(&self) -> &str {
         match &self.ended {
-            Ended::Report(report) => report.status,
+            Ended::Report(report) => &report.status,
             Ended::Failed(_) => "failed",
         }
     }

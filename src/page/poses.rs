@@ -1,0 +1,82 @@
+//! Poses one by one: the worst with pictures, then all in a table.
+
+use maud::{Markup, html};
+
+use super::{Image, badge, picture, reason};
+use crate::{
+    pipeline::{
+        Report,
+        judge::Level,
+        report::{Headline, PoseReport, headlines},
+    },
+    text::number,
+};
+
+/// The worst poses, each with a picture and its reasons.
+pub fn worst(report: &Report, images: &[Image]) -> Markup {
+    let pose = |image: &Image| report.poses.iter().find(|pose| pose.name == image.name);
+    let shown: Vec<(&Image, &PoseReport)> = images.iter().filter_map(|image| Some((image, pose(image)?))).collect();
+    let fine = report.verdict.is_none_or(|verdict| verdict == Level::Good);
+    html! {
+        @if !shown.is_empty() {
+            section {
+                h2 { @if fine { "Largest errors" } @else { "Look at these" } }
+                @for (image, pose) in shown {
+                    article.worst {
+                        (picture(image))
+                        div {
+                            h3 { (pose.name) " " @if let Some(verdict) = &pose.verdict { (badge(verdict.level)) } }
+                            (reasons(pose))
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn reasons(pose: &PoseReport) -> Markup {
+    let reasons = pose.verdict.iter().flat_map(|verdict| &verdict.reasons);
+    html! { ul { @for one in reasons { li { (reason(one)) } } } }
+}
+
+/// A row a pose.
+pub fn table(report: &Report) -> Markup {
+    let columns = headlines(&report.poses);
+    let value = |pose: &PoseReport, column: &Headline| match column.of(pose) {
+        Some(value) => number(value),
+        None => "–".into(),
+    };
+    let breaks = |pose: &PoseReport, column: &Headline| {
+        let reasons = pose.verdict.iter().flat_map(|verdict| &verdict.reasons);
+        let level = reasons.filter(|r| r.metric == column.metric && r.figure == column.figure).map(|r| r.level).max();
+        level.map(|level| super::level(level).1).unwrap_or_default()
+    };
+    html! {
+        section {
+            h2 { "Verdict of each pose" }
+            div.scroll {
+                table.numbers {
+                    tr {
+                        th { "pose" } th { "verdict" }
+                        @for column in &columns { th { (column.metric.replace('_', " ")) br; small { (column.figure.replace('_', " ")) } } }
+                    }
+                    @for pose in &report.poses {
+                        tr {
+                            th { (pose.name) }
+                            td.word {
+                                @if let Some(error) = &pose.error {
+                                    span.badge.failed { "not transferred" } " "
+                                    (error["message"].as_str().unwrap_or_default())
+                                } @else if let Some(verdict) = &pose.verdict {
+                                    (badge(verdict.level))
+                                }
+                            }
+                            @for column in &columns { td class=(breaks(pose, column)) { (value(pose, column)) } }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}

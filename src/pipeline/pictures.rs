@@ -1,0 +1,287 @@
+//! Pictures of a run: source and result of each pose beside each other, and where the result is bad.
+
+use std::{
+    borrow::Cow,
+    collections::BTreeMap,
+    sync::{Mutex, MutexGuard, PoisonError},
+};
+
+use mimesh_render::{
+    Canvas, Cell, Direction, Dot, Paint, Picture, Rect, Scale, Size, UpAxis, View,
+    colour::{CRIMSON, FAINT, INK, SAND, STEEL, WHITE},
+    legend, sheet,
+};
+use nalgebra::Point3;
+
+use super::{
+    PictureSettings, Up, ViewFrom,
+    check::{Prepared, Side},
+    judge::{Judgement, Verdict},
+    poses::spread,
+};
+use crate::{
+    core::{
+        mesh::{Surface, SurfacePoint},
+        plugin,
+        stage::{Measured, Metric},
+    },
+    page::{Image, Pictures},
+};
+
+/// Poses with a small picture, at most; of more poses some spread over all.
+const MOST: usize = 100;
+/// Poses with a large picture.
+const WORST: usize = 6;
+/// Pixels of one mesh in a small, and in a large picture.
+const SMALL: u32 = 240;
+const LARGE: u32 = 400;
+/// Pixels of a mesh at rest.
+const REST: u32 = 480;
+
+/// Takes pictures while poses stream by.
+pub struct Gallery<'a> {
+    prepared: &'a Prepared,
+    look: Look,
+    /// Poses that get a small picture.
+    chosen: Vec<bool>,
+    taken: Mutex<Taken>,
+}
+
+#[derive(Default)]
+struct Taken {
+    /// Small pictures by number of pose.
+    small: BTreeMap<usize, (String, Picture)>,
+    /// Large ones of the worst so far, worst first: how bad, number, picture.
+    large: Vec<(Badness, usize, String, Picture)>,
+}
+
+/// How bad a pose is; the larger the worse.
+type Badness = (super::judge::Level, f64);
+
+/// Where meshes are looked at from.
+#[derive(Clone, Copy, Debug)]
+pub struct Look {
+    /// The side.
+    pub direction: Direction,
+    /// The axis that points up.
+    pub up: UpAxis,
+}
+
+impl From<PictureSettings> for Look {
+    fn from(settings: PictureSettings) -> Self {
+        let direction = match settings.view {
+            ViewFrom::ThreeQuarter => Direction::ThreeQuarter,
+            ViewFrom::Front => Direction::Front,
+            ViewFrom::Side => Direction::Side,
+            ViewFrom::Top => Direction::Top,
+        };
+        let up = match settings.up {
+            Up::X => UpAxis::X,
+            Up::Y => UpAxis::Y,
+            Up::Z => UpAxis::Z,
+        };
+        Self { direction, up }
+    }
+}
+
+impl Look {
+    /// The view of everything in `positions`.
+    pub fn at(&self, positions: &[Point3<f64>]) -> View {
+        View::fit(positions.iter().copied(), self.direction, self.up)
+    }
+}
+
+impl<'a> Gallery<'a> {
+    /// For the poses of `prepared`.
+    pub fn new(prepared: &'a Prepared) -> Self {
+        let mut chosen = vec![false; prepared.poses.len()];
+        spread(prepared.poses.len(), MOST).into_iter().for_each(|i| chosen[i] = true);
+        Self { prepared, look: prepared.pipeline.pictures.into(), chosen, taken: Mutex::default() }
+    }
+
+    /// Takes pose `i`: the source (for its surface) and the result (for the target's mesh).
+    pub fn take(
+        &self,
+        i: usize,
+        name: &str,
+        source: Option<&[Point3<f64>]>,
+        result: &[Point3<f64>],
+        judgement: &Judgement,
+        verdict: Option<&Verdict>,
+    ) {
+        let strip = |pixels: u32| self.strip(pixels, source, result, judgement, verdict);
+        if self.chosen[i] {
+            let picture = strip(SMALL);
+            self.taken().small.insert(i, (name.into(), picture));
+        }
+        let badness = badness(judgement, verdict);
+        let place = |taken: &Taken| {
+            let before =
+                |other: &(Badness, usize, String, Picture)| worse(&other.0, &badness).then(i.cmp(&other.1)).is_gt();
+            taken.large.iter().filter(|other| before(other)).count()
+        };
+        // Most poses are not among the worst and need no large picture; asked again once it is drawn.
+        if place(&self.taken()) < WORST {
+            let picture = strip(LARGE);
+            let mut taken = self.taken();
+            let at = place(&taken);
+            taken.large.insert(at, (badness, i, name.into(), picture));
+            taken.large.truncate(WORST);
+        }
+    }
+
+    fn taken(&self) -> MutexGuard<'_, Taken> {
+        self.taken.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Source, result and what is wrong with it, side by side.
+    fn strip(
+        &self,
+        pixels: u32,
+        source: Option<&[Point3<f64>]>,
+        result: &[Point3<f64>],
+        judgement: &Judgement,
+        verdict: Option<&Verdict>,
+    ) -> Picture {
+        let Prepared { source: from, target, .. } = self.prepared;
+        let shown = field(judgement, verdict);
+        let mut picture = Picture::new(pixels * if shown.is_some() { 3 } else { 2 }, pixels, WHITE);
+        if let Some(source) = source {
+            let view = self.look.at(&from.surface.positions).and(&self.look.at(source));
+            let mut canvas = Canvas::new(pixels, pixels, view);
+            canvas.mesh(source, &from.surface.triangles, &Paint::Plain(STEEL));
+            canvas.draw_onto(&mut picture, 0, 0);
+        }
+        let Ok(posed) = target.surface.from_mesh(result) else { return picture };
+        let view = self.look.at(&target.surface.positions).and(&self.look.at(&posed));
+        let mut canvas = Canvas::new(pixels, pixels, view);
+        canvas.mesh(&posed, &target.surface.triangles, &Paint::Plain(SAND));
+        canvas.draw_onto(&mut picture, pixels as i32, 0);
+        if let Some((metric, measured)) = shown {
+            let values = on_surface(&target.surface, &measured.field);
+            let scale = Scale::new(0.0, worst_of_scale(metric));
+            let mut canvas = Canvas::new(pixels, pixels - LEGEND, view);
+            canvas.mesh(&posed, &target.surface.triangles, &Paint::Values { values: &values, scale: &scale });
+            canvas.draw_onto(&mut picture, 2 * pixels as i32, 0);
+            let place =
+                Rect { x: 2 * pixels as i32 + 8, y: (pixels - LEGEND) as i32, width: pixels - 16, height: LEGEND - 2 };
+            legend(&mut picture, place, &scale, measured.field_unit);
+        }
+        picture
+    }
+
+    /// All small pictures on one sheet, as PNG.
+    pub fn sheet(&self) -> Vec<u8> {
+        let taken = self.taken();
+        let cells: Vec<Cell> = taken
+            .small
+            .values()
+            .map(|(name, picture)| Cell { picture: picture.clone(), caption: name.clone() })
+            .collect();
+        let rows: Vec<Vec<Cell>> = cells.chunks(2).map(<[Cell]>::to_vec).collect();
+        let title = self.prepared.file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        sheet(&title, &rows).png()
+    }
+
+    /// The pictures for the page.
+    pub fn pictures(self) -> Pictures {
+        let alt = |name: &str| format!("source, result and errors of pose {name}");
+        let taken = self.taken.into_inner().unwrap_or_else(PoisonError::into_inner);
+        Pictures {
+            rest: rests(self.prepared, self.look),
+            worst: taken.large.iter().map(|(_, _, name, picture)| image(name, alt(name), picture)).collect(),
+            sheet: taken.small.values().map(|(name, picture)| image(name, alt(name), picture)).collect(),
+        }
+    }
+}
+
+/// Pixels below a mesh for the legend of its colours.
+const LEGEND: u32 = 36;
+
+/// A picture for a page.
+pub fn image(name: &str, alt: String, picture: &Picture) -> Image {
+    Image { name: name.into(), alt, png: picture.small_png(), size: [picture.width, picture.height] }
+}
+
+/// Both meshes at rest with numbered markers, from the side asked for and from behind.
+fn rests(prepared: &Prepared, look: Look) -> Vec<Image> {
+    let behind = match look.direction {
+        Direction::ThreeQuarter => Direction::Angles { yaw: 220.0, pitch: 18.0 },
+        Direction::Front => Direction::Angles { yaw: 180.0, pitch: 0.0 },
+        Direction::Side => Direction::Angles { yaw: 270.0, pitch: 0.0 },
+        _ => Direction::Angles { yaw: 0.0, pitch: -90.0 },
+    };
+    let source: Vec<SurfacePoint> = prepared.markers.iter().map(|marker| marker.source).collect();
+    let target: Vec<SurfacePoint> = prepared.markers.iter().map(|marker| marker.target).collect();
+    let sides = [("source", &prepared.source, source, STEEL), ("target", &prepared.target, target, SAND)];
+    let mut images = Vec::new();
+    for (name, side, points, colour) in sides {
+        for (look, suffix) in [(look, ""), (Look { direction: behind, ..look }, ", from behind")] {
+            let picture = rest(side, &points, look, colour);
+            let alt = format!("the {name} at rest{suffix}, with {} numbered markers", points.len());
+            images.push(image(&format!("{name}{suffix}"), alt, &picture));
+        }
+    }
+    images
+}
+
+fn rest(side: &Side, points: &[SurfacePoint], look: Look, colour: mimesh_render::Colour) -> Picture {
+    let surface = &side.surface;
+    let mut picture = Picture::new(REST, REST, WHITE);
+    let mut canvas = Canvas::new(REST, REST, look.at(&surface.positions));
+    canvas.mesh(&surface.positions, &surface.triangles, &Paint::Plain(colour));
+    let dot = |(k, point): (usize, &SurfacePoint)| Dot {
+        at: point.position(surface, &surface.positions),
+        label: Some((k + 1).to_string()),
+        colour: CRIMSON,
+    };
+    canvas.dots(&points.iter().enumerate().map(dot).collect::<Vec<_>>());
+    let drawn = canvas.draw_onto(&mut picture, 0, 0);
+    if drawn.hidden > 0 {
+        let note = format!("{} behind", drawn.hidden);
+        picture.text(6, REST as i32 - 16, &note, Size::Small, INK);
+    }
+    picture.frame(Rect { x: 0, y: 0, width: REST, height: REST }, FAINT);
+    picture
+}
+
+/// What is shown in colour: the point error if there is one, else what the verdict is about, else the stretch.
+fn field<'m>(judgement: &'m Judgement, verdict: Option<&Verdict>) -> Option<(&'m str, &'m Measured)> {
+    let of = |name: &str| {
+        let found = judgement.measured.iter().find(|(metric, measured)| metric == name && !measured.field.is_empty());
+        found.map(|(metric, measured)| (metric.as_str(), measured))
+    };
+    let reasons = verdict.into_iter().flat_map(|verdict| &verdict.reasons).map(|reason| reason.metric.as_str());
+    let wanted = std::iter::once("point_error").chain(reasons).chain(["edge_stretch"]);
+    wanted.into_iter().find_map(of).or_else(|| {
+        let any = judgement.measured.iter().find(|(_, measured)| !measured.field.is_empty());
+        any.map(|(metric, measured)| (metric.as_str(), measured))
+    })
+}
+
+/// The end of the colours of a metric: where it calls its first figure bad.
+fn worst_of_scale(metric: &str) -> f64 {
+    let metric = plugin::instance::<dyn Metric>(metric);
+    metric.and_then(|metric| metric.limits().first().map(|limit| limit.bad)).filter(|bad| *bad > 0.0).unwrap_or(5.0)
+}
+
+/// Values of the mesh's vertices for those of its surface.
+fn on_surface<'f>(surface: &Surface, field: &'f [f64]) -> Cow<'f, [f64]> {
+    let same = surface.first_copy.len() == field.len() && (0..).zip(&surface.first_copy).all(|(v, copy)| v == *copy);
+    if same {
+        return Cow::Borrowed(field);
+    }
+    surface.first_copy.iter().map(|&v| field.get(v as usize).copied().unwrap_or(f64::NAN)).collect()
+}
+
+fn badness(judgement: &Judgement, verdict: Option<&Verdict>) -> Badness {
+    let level = verdict.map(|verdict| verdict.level).unwrap_or_default();
+    let excess = verdict.and_then(|verdict| verdict.reasons.first()).map(|reason| reason.excess());
+    let errors = judgement.measured.iter().find(|(name, _)| name == "point_error");
+    let error = errors.and_then(|(_, measured)| measured.figures.number("mean"));
+    (level, excess.or(error).unwrap_or(0.0))
+}
+
+fn worse(a: &Badness, b: &Badness) -> std::cmp::Ordering {
+    a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
+}
