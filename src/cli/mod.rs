@@ -1,7 +1,9 @@
 //! The command line: one file a subcommand. What is computed goes to stdout, everything else to stderr.
 
+mod bench_quality;
 mod cache;
 mod check;
+mod compare;
 mod completions;
 mod components;
 mod inspect;
@@ -11,6 +13,7 @@ mod markers;
 mod new;
 mod plan;
 mod progress;
+mod render;
 mod run;
 mod schema;
 mod score;
@@ -56,6 +59,9 @@ enum Command {
     Schema(schema::SchemaOf),
     Inspect(inspect::Inspect),
     Score(score::Score),
+    Compare(compare::Compare),
+    Render(render::Render),
+    BenchQuality(bench_quality::BenchQuality),
     Cache(cache::ShowCache),
     New(new::New),
     Completions(completions::Completions),
@@ -84,6 +90,9 @@ pub fn main() -> ExitCode {
         Command::Schema(command) => command.run(),
         Command::Inspect(command) => command.run(),
         Command::Score(command) => command.run(),
+        Command::Compare(command) => command.run(),
+        Command::Render(command) => command.run(),
+        Command::BenchQuality(command) => command.run(),
         Command::Cache(command) => command.run(),
         Command::New(command) => command.run(),
         Command::Completions(command) => command.run(Cli::command()),

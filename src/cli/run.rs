@@ -211,7 +211,7 @@ impl<'a> Table<'a> {
 }
 
 /// A number of threads.
-fn threads(text: &str) -> std::result::Result<u16, String> {
+pub fn threads(text: &str) -> std::result::Result<u16, String> {
     text.parse()
         .ok()
         .filter(|count| *count > 0)

@@ -9,7 +9,8 @@ use crate::{
     core::Figures,
     pipeline::{
         compose::{Ended, Results},
-        report::{MeshFigures, PoseReport, Report},
+        judge::{Level, Reason},
+        report::{Headline, MeshFigures, PoseReport, Report, headlines},
     },
 };
 
@@ -52,10 +53,11 @@ pub fn of(report: &Report, path: &Path) -> String {
             let _ = writeln!(text, "  warning: {warning}");
         }
     }
-    for (metric, values) in &report.metrics {
-        let _ = writeln!(text, "\n{metric}");
+    for (metric, values) in report.metrics.iter().filter(|(metric, _)| *metric == "point_error") {
+        let _ = writeln!(text, "\n{metric}, % of the diagonal");
         text += &scores(metric, values, &report.poses);
     }
+    text += &verdicts(report);
     if !failed.is_empty() {
         let names: Vec<_> = failed.iter().map(|pose| pose.name.as_str()).collect();
         let _ = writeln!(text, "\nfailed: {} ({} of {})", names.join(", "), failed.len(), report.poses.len());
@@ -94,6 +96,42 @@ pub fn of_all(results: &Results) -> String {
         let rest = [("partly done", ended("partly")), ("failed", ended("failed"))];
         let rest: Vec<_> = rest.iter().filter(|(_, n)| *n > 0).map(|(what, n)| format!("{n} {what}")).collect();
         let _ = writeln!(text, "\n{done} of {} done, {}, in {time}", count(all, "run", "runs"), rest.join(", "));
+    }
+    text
+}
+
+/// What is to be said of each pose, with the main figures of the other metrics.
+fn verdicts(report: &Report) -> String {
+    let columns: Vec<_> =
+        headlines(&report.poses).into_iter().filter(|column| column.metric != "point_error").collect();
+    let Some(worst) = report.verdict else { return String::new() };
+    let mut text = String::new();
+    if !columns.is_empty() {
+        let names = |part: fn(&Headline) -> &str| columns.iter().map(move |column| part(column).replace('_', " "));
+        let mut rows: Vec<Vec<String>> = vec![
+            std::iter::once(String::new()).chain(names(|column| &column.metric)).collect(),
+            std::iter::once(String::new()).chain(names(|column| &column.figure)).collect(),
+        ];
+        let row = |pose: &PoseReport| {
+            let cell = |column: &Headline| column.of(pose).map_or("-".into(), number);
+            std::iter::once(pose.name.clone()).chain(columns.iter().map(cell)).collect()
+        };
+        rows.extend(report.poses.iter().take(MOST_ROWS).map(row));
+        if report.poses.len() > MOST_ROWS {
+            rows.push(vec![format!("… {} more", report.poses.len() - MOST_ROWS)]);
+        }
+        let _ = write!(text, "\nmetrics (`mimesh show metric NAME` tells what they are)\n{}", table(&rows));
+    }
+    let _ = writeln!(text, "\nverdict: {}", worst.word());
+    let judged = report.poses.iter().filter_map(|pose| Some((pose, pose.verdict.as_ref()?)));
+    let mut told: Vec<_> = judged.filter(|(_, verdict)| verdict.level > Level::Good).collect();
+    told.sort_by_key(|(_, verdict)| std::cmp::Reverse(verdict.level));
+    for (pose, verdict) in told.iter().take(MOST_ROWS) {
+        let reasons: Vec<_> = verdict.reasons.iter().take(3).map(Reason::words).collect();
+        let _ = writeln!(text, "  {} is {}: {}", pose.name, verdict.level.word(), reasons.join("; "));
+    }
+    if told.len() > MOST_ROWS {
+        let _ = writeln!(text, "  … and {} more poses", told.len() - MOST_ROWS);
     }
     text
 }

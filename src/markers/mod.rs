@@ -18,6 +18,7 @@ mod indices;
 pub mod json;
 mod json_tree;
 pub mod mirror;
+mod one_side;
 pub mod points;
 pub mod pp;
 pub mod reattach;
@@ -33,6 +34,7 @@ use std::{collections::HashMap, path::Path};
 use nalgebra::Point3;
 
 pub use files::MarkerFiles;
+pub use one_side::points_on;
 
 use crate::{
     core::mesh::{Mesh, MeshSequence, Surface, SurfacePoint},

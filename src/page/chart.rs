@@ -142,10 +142,10 @@ pub fn chart(axes: &Axes<'_>, lines: &[Line]) -> Markup {
                 text.title x=(LEFT) y="16" { (axes.title) }
                 @for tick in ticks(bottom, axes.upto[1]) {
                     line.grid x1=(LEFT) x2=(SIZE[0] - RIGHT) y1=(round(y(tick))) y2=(round(y(tick))) {}
-                    text x=(LEFT - 6.0) y=(round(y(tick) + 4.0)) text-anchor="end" { (number(tick)) }
+                    text x=(LEFT - 6.0) y=(round(y(tick) + 4.0)) text-anchor="end" { (label(tick)) }
                 }
                 @for tick in along_x {
-                    text x=(round(x(tick))) y=(SIZE[1] - BELOW + 18.0) text-anchor="middle" { (number(tick)) }
+                    text x=(round(x(tick))) y=(SIZE[1] - BELOW + 18.0) text-anchor="middle" { (label(tick)) }
                 }
                 text x=((LEFT + SIZE[0] - RIGHT) / 2.0) y=(SIZE[1] - 6.0) text-anchor="middle" { (axes.x) }
                 @if !axes.y.is_empty() {
@@ -189,6 +189,15 @@ fn counts(end: usize) -> Vec<f64> {
 fn parts(points: &[[f64; 2]], end: f64) -> Vec<Vec<[f64; 2]>> {
     let within: Vec<[f64; 2]> = points.iter().copied().filter(|p| p[0] <= end + 1e-9).collect();
     within.split(|p| !p[1].is_finite()).filter(|part| !part.is_empty()).map(<[_]>::to_vec).collect()
+}
+
+/// A number on an axis, without zeros at its end.
+fn label(value: f64) -> String {
+    let text = number(value);
+    if !text.contains('.') || text.contains('e') {
+        return text;
+    }
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
 /// For shorter text.

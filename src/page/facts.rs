@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 use serde_json::Value;
 
-use super::{badge, level};
+use super::badge;
 use crate::{
     pipeline::{
         Report,
@@ -26,7 +26,7 @@ pub fn head(report: &Report, title: &str) -> Markup {
             p.verdict {
                 @if let Some(worst) = report.verdict { (badge(worst)) " " } @else { span.badge { "not measured" } " " }
                 (count(report.poses.len(), "pose", "poses"))
-                @for one in levels { @if of(one) > 0 { ", " (of(one)) " " (level(one).0) } }
+                @for one in levels { @if of(one) > 0 { ", " (of(one)) " " (one.word()) } }
                 @if failed > 0 { ", " strong { (failed) " not transferred" } }
             }
             table.facts {

@@ -11,11 +11,8 @@ mod poses;
 use base64::{Engine, prelude::BASE64_STANDARD};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-pub use self::compare::{Shown, compare};
-use crate::pipeline::{
-    Report,
-    judge::{Level, Reason},
-};
+pub use self::compare::{Shown, average, best, columns, compare};
+use crate::pipeline::{Report, judge::Level};
 
 /// A picture with what it shows.
 #[derive(Clone, Debug, Default)]
@@ -117,23 +114,16 @@ fn picture(image: &Image) -> Markup {
     html! { img src=(data) alt=(image.alt) width=(image.size[0]) height=(image.size[1]); }
 }
 
-/// The word for a level, and its class.
-fn level(level: Level) -> (&'static str, &'static str) {
+/// The class of a level in the style sheet.
+fn class(level: Level) -> &'static str {
     match level {
-        Level::Good => ("good", "good"),
-        Level::Doubtful => ("doubtful", "doubtful"),
-        Level::Bad => ("bad", "bad"),
-        Level::Failed => ("gate broken", "failed"),
+        Level::Good => "good",
+        Level::Doubtful => "doubtful",
+        Level::Bad => "bad",
+        Level::Failed => "failed",
     }
 }
 
-fn badge(of: Level) -> Markup {
-    let (word, class) = level(of);
-    html! { span class=(format!("badge {class}")) { (word) } }
-}
-
-/// A reason in words: `edge stretch p99 85.1, above 60`.
-fn reason(reason: &Reason) -> String {
-    let what = format!("{} {}", reason.metric, reason.figure).replace('_', " ");
-    format!("{what} {}, above {}", crate::text::number(reason.value), crate::text::number(reason.limit))
+fn badge(level: Level) -> Markup {
+    html! { span class=(format!("badge {}", class(level))) { (level.word()) } }
 }

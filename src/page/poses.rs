@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 
-use super::{Image, badge, picture, reason};
+use super::{Image, badge, picture};
 use crate::{
     pipeline::{
         Report,
@@ -15,8 +15,10 @@ use crate::{
 /// The worst poses, each with a picture and its reasons.
 pub fn worst(report: &Report, images: &[Image]) -> Markup {
     let pose = |image: &Image| report.poses.iter().find(|pose| pose.name == image.name);
-    let shown: Vec<(&Image, &PoseReport)> = images.iter().filter_map(|image| Some((image, pose(image)?))).collect();
+    let mut shown: Vec<(&Image, &PoseReport)> = images.iter().filter_map(|image| Some((image, pose(image)?))).collect();
     let fine = report.verdict.is_none_or(|verdict| verdict == Level::Good);
+    // Beside what is wrong, what is good needs no second look; where all is good, the largest errors are of interest.
+    shown.retain(|(_, pose)| fine || pose.verdict.as_ref().is_some_and(|verdict| verdict.level > Level::Good));
     html! {
         @if !shown.is_empty() {
             section {
@@ -37,7 +39,7 @@ pub fn worst(report: &Report, images: &[Image]) -> Markup {
 
 fn reasons(pose: &PoseReport) -> Markup {
     let reasons = pose.verdict.iter().flat_map(|verdict| &verdict.reasons);
-    html! { ul { @for one in reasons { li { (reason(one)) } } } }
+    html! { ul { @for one in reasons { li { (one.words()) } } } }
 }
 
 /// A row a pose.
@@ -50,7 +52,7 @@ pub fn table(report: &Report) -> Markup {
     let breaks = |pose: &PoseReport, column: &Headline| {
         let reasons = pose.verdict.iter().flat_map(|verdict| &verdict.reasons);
         let level = reasons.filter(|r| r.metric == column.metric && r.figure == column.figure).map(|r| r.level).max();
-        level.map(|level| super::level(level).1).unwrap_or_default()
+        level.map(super::class).unwrap_or_default()
     };
     html! {
         section {

@@ -5,9 +5,12 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
-use crate::core::{
-    Result,
-    stage::{BoundMetric, Judged, Limit, Measured, Metric, Subject},
+use crate::{
+    core::{
+        Result,
+        stage::{BoundMetric, Judged, Limit, Measured, Metric, Subject},
+    },
+    text::number,
 };
 
 /// The metrics of a run, ready to measure poses.
@@ -76,7 +79,25 @@ pub struct Reason {
     pub limit: f64,
 }
 
+impl Level {
+    /// In a word or two.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Good => "good",
+            Self::Doubtful => "doubtful",
+            Self::Bad => "bad",
+            Self::Failed => "broken gate",
+        }
+    }
+}
+
 impl Reason {
+    /// In words: `edge stretch p99 85.1, above 60`.
+    pub fn words(&self) -> String {
+        let what = format!("{} {}", self.metric, self.figure).replace('_', " ");
+        format!("{what} {}, above {}", number(self.value), number(self.limit))
+    }
+
     /// How many times the limit was found; at least 1, and infinite where nothing was to be.
     pub fn excess(&self) -> f64 {
         if self.limit > 0.0 { self.value.abs() / self.limit } else { f64::INFINITY }

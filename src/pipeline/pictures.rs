@@ -7,7 +7,7 @@ use std::{
 };
 
 use mimesh_render::{
-    Canvas, Cell, Direction, Dot, Paint, Picture, Rect, Scale, Size, UpAxis, View,
+    Canvas, Cell, Colour, Direction, Dot, Paint, Picture, Rect, Scale, Size, UpAxis, View,
     colour::{CRIMSON, FAINT, INK, SAND, STEEL, WHITE},
     legend, sheet,
 };
@@ -15,7 +15,7 @@ use nalgebra::Point3;
 
 use super::{
     PictureSettings, Up, ViewFrom,
-    check::{Prepared, Side},
+    check::Prepared,
     judge::{Judgement, Verdict},
     poses::spread,
 };
@@ -158,14 +158,8 @@ impl<'a> Gallery<'a> {
         canvas.mesh(&posed, &target.surface.triangles, &Paint::Plain(SAND));
         canvas.draw_onto(&mut picture, pixels as i32, 0);
         if let Some((metric, measured)) = shown {
-            let values = on_surface(&target.surface, &measured.field);
-            let scale = Scale::new(0.0, worst_of_scale(metric));
-            let mut canvas = Canvas::new(pixels, pixels - LEGEND, view);
-            canvas.mesh(&posed, &target.surface.triangles, &Paint::Values { values: &values, scale: &scale });
-            canvas.draw_onto(&mut picture, 2 * pixels as i32, 0);
-            let place =
-                Rect { x: 2 * pixels as i32 + 8, y: (pixels - LEGEND) as i32, width: pixels - 16, height: LEGEND - 2 };
-            legend(&mut picture, place, &scale, measured.field_unit);
+            let field = Field { values: &measured.field, metric, unit: measured.field_unit };
+            coloured(&mut picture, 2 * pixels, &target.surface, &posed, view, field);
         }
         picture
     }
@@ -217,7 +211,7 @@ fn rests(prepared: &Prepared, look: Look) -> Vec<Image> {
     let mut images = Vec::new();
     for (name, side, points, colour) in sides {
         for (look, suffix) in [(look, ""), (Look { direction: behind, ..look }, ", from behind")] {
-            let picture = rest(side, &points, look, colour);
+            let picture = with_points(&side.surface, &points, look, REST, colour);
             let alt = format!("the {name} at rest{suffix}, with {} numbered markers", points.len());
             images.push(image(&format!("{name}{suffix}"), alt, &picture));
         }
@@ -225,10 +219,14 @@ fn rests(prepared: &Prepared, look: Look) -> Vec<Image> {
     images
 }
 
-fn rest(side: &Side, points: &[SurfacePoint], look: Look, colour: mimesh_render::Colour) -> Picture {
-    let surface = &side.surface;
-    let mut picture = Picture::new(REST, REST, WHITE);
-    let mut canvas = Canvas::new(REST, REST, look.at(&surface.positions));
+/// A mesh with numbered points, `size` pixels wide and high.
+pub fn marked(surface: &Surface, points: &[SurfacePoint], look: Look, size: u32) -> Picture {
+    with_points(surface, points, look, size, STEEL)
+}
+
+fn with_points(surface: &Surface, points: &[SurfacePoint], look: Look, size: u32, colour: Colour) -> Picture {
+    let mut picture = Picture::new(size, size, WHITE);
+    let mut canvas = Canvas::new(size, size, look.at(&surface.positions));
     canvas.mesh(&surface.positions, &surface.triangles, &Paint::Plain(colour));
     let dot = |(k, point): (usize, &SurfacePoint)| Dot {
         at: point.position(surface, &surface.positions),
@@ -239,10 +237,50 @@ fn rest(side: &Side, points: &[SurfacePoint], look: Look, colour: mimesh_render:
     let drawn = canvas.draw_onto(&mut picture, 0, 0);
     if drawn.hidden > 0 {
         let note = format!("{} behind", drawn.hidden);
-        picture.text(6, REST as i32 - 16, &note, Size::Small, INK);
+        picture.text(6, size as i32 - 16, &note, Size::Small, INK);
     }
-    picture.frame(Rect { x: 0, y: 0, width: REST, height: REST }, FAINT);
+    picture.frame(Rect { x: 0, y: 0, width: size, height: size }, FAINT);
     picture
+}
+
+/// A mesh as it stands; with `errors` of its file's vertices in percent, coloured by them.
+pub fn plain(surface: &Surface, errors: Option<&[f64]>, look: Look, size: u32) -> Picture {
+    let mut picture = Picture::new(size, size, WHITE);
+    let view = look.at(&surface.positions);
+    match errors {
+        Some(errors) => {
+            let field = Field { values: errors, metric: "point_error", unit: "error, %" };
+            coloured(&mut picture, 0, surface, &surface.positions, view, field);
+        }
+        None => {
+            let mut canvas = Canvas::new(size, size, view);
+            canvas.mesh(&surface.positions, &surface.triangles, &Paint::Plain(SAND));
+            canvas.draw_onto(&mut picture, 0, 0);
+        }
+    }
+    picture
+}
+
+/// How bad each vertex of a mesh's file is.
+#[derive(Clone, Copy)]
+struct Field<'f> {
+    values: &'f [f64],
+    /// Type of the metric that says so.
+    metric: &'f str,
+    /// What the values are.
+    unit: &'f str,
+}
+
+/// Draws a mesh in the colours of a metric's field (for its file's vertices) at `x` of `picture`, with a legend below.
+fn coloured(picture: &mut Picture, x: u32, surface: &Surface, posed: &[Point3<f64>], view: View, field: Field<'_>) {
+    let size = picture.height;
+    let values = on_surface(surface, field.values);
+    let scale = Scale::new(0.0, worst_of_scale(field.metric));
+    let mut canvas = Canvas::new(size, size - LEGEND, view);
+    canvas.mesh(posed, &surface.triangles, &Paint::Values { values: &values, scale: &scale });
+    canvas.draw_onto(picture, x as i32, 0);
+    let place = Rect { x: x as i32 + 8, y: (size - LEGEND) as i32, width: size - 16, height: LEGEND - 2 };
+    legend(picture, place, &scale, field.unit);
 }
 
 /// What is shown in colour: the point error if there is one, else what the verdict is about, else the stretch.

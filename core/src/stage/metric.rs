@@ -100,7 +100,7 @@ pub struct Measured {
     pub figures: Figures,
     /// For pictures: how bad each vertex of the target's mesh is (≥ 0, NaN where unknown); empty if that makes no sense.
     pub field: Vec<f64>,
-    /// What `field` is, with its unit, e.g. `distance, % of the diagonal`.
+    /// What `field` is, with its unit, e.g. `error, %`.
     pub field_unit: &'static str,
 }
 

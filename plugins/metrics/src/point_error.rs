@@ -132,7 +132,7 @@ impl BoundMetric for Bound<'_> {
             figures.set("comp_mean", offsets.iter().sum::<f64>() / offsets.len() as f64);
             figures.set("comp_max", offsets.iter().copied().fold(0.0, f64::max));
         }
-        Ok(Measured { figures, field, field_unit: "distance, % of the diagonal" })
+        Ok(Measured { figures, field, field_unit: "error, %" })
     }
 }
 

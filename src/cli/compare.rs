@@ -1,0 +1,281 @@
+use std::{
+    collections::HashMap,
+    path::{Path, PathBuf},
+};
+
+use mimesh_render::Picture;
+use nalgebra::Point3;
+use rayon::prelude::*;
+use serde_json::{Value, json};
+
+use super::{Ended, terminal};
+use crate::{
+    core::{
+        Error,
+        mesh::{Mesh, Surface},
+        stage::{Judged, Metric, Sample, Subject},
+    },
+    mistake::{Mistake, Place, Result},
+    page::{self, Shown},
+    pipeline::{
+        Formats, OneOrMany, Report,
+        check::in_file,
+        judge::Judges,
+        pictures::{self, Look},
+        resolve, staging,
+    },
+    status::Status,
+    text::{number, seconds, table},
+};
+
+/// Shows runs beside each other: figures, curves and pictures.
+///
+/// The best of each line is marked with `*`. Runs are told by their reports; results that are still where they were written
+/// are drawn, with errors in colour where the truth is known.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  mimesh compare out/gradient/run.json out/biharmonic/run.json
+  mimesh compare 'out/herd/*/run.json' --out herd.html
+  mimesh compare try-1 try-2 --json")]
+pub struct Compare {
+    /// Reports of runs (run.json), folders that have one, or globs of them in quotes; two at least
+    #[arg(required = true)]
+    runs: Vec<String>,
+    /// Write a page with curves and pictures into this file
+    #[arg(long, value_name = "FILE.html")]
+    out: Option<PathBuf>,
+    /// Print the table as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// Width and height of a picture.
+const PIXELS: u32 = 280;
+
+impl Compare {
+    /// Runs the command.
+    pub fn run(&self) -> Ended {
+        if let Some(out) = &self.out {
+            check_out(out, &["html", "htm"])?;
+        }
+        let mut files = Vec::new();
+        for pattern in &self.runs {
+            for file in found(pattern)? {
+                if !files.contains(&file) {
+                    files.push(file);
+                }
+            }
+        }
+        if files.len() < 2 {
+            let message = format!("{} is the only report, expected two at least", files[0].display());
+            let hint = "a run with a matrix or several targets has a report for each combination";
+            return Err(Mistake::new(Status::Usage, message).hint(hint).into());
+        }
+        let reports: Vec<Report> = files.iter().map(|file| read(file)).collect::<Result<_>>()?;
+        let names = names(&files, &reports);
+        let mut runs: Vec<Shown> =
+            names.into_iter().zip(reports).map(|(name, report)| Shown { name, report, pictures: vec![] }).collect();
+        if let Some(out) = &self.out {
+            for run in &mut runs {
+                let (pictures, problem) = draw(&run.report);
+                if let Some(problem) = problem {
+                    terminal::warn(&format!("{}: no pictures: {problem}", run.name));
+                }
+                run.pictures = pictures;
+            }
+            let page = page::compare("Comparison of runs", &runs);
+            let write = |file: &mut dyn std::io::Write| {
+                file.write_all(page.as_bytes()).map_err(|error| Error::write(out, error))
+            };
+            staging::commit(vec![staging::stage(out, write)?])?;
+        }
+        if self.json {
+            terminal::print_json(&as_json(&files, &runs));
+        } else {
+            terminal::print(&as_text(&runs));
+            if let Some(out) = &self.out {
+                terminal::print(&format!("\nwritten\n  {}\n", out.display()));
+            }
+        }
+        Ok(Status::Done)
+    }
+}
+
+/// That `out` has one of `extensions`, and is no folder.
+pub fn check_out(out: &Path, extensions: &[&str]) -> Result<()> {
+    let place = Place::Option(format!("--out {}", out.display()));
+    let extension = out.extension().map(|extension| extension.to_string_lossy().to_lowercase());
+    if !extension.is_some_and(|extension| extensions.contains(&extension.as_str())) {
+        let message = format!("expected a .{} file", extensions[0]);
+        return Err(Mistake::new(Status::Usage, message).at(place).into());
+    }
+    if out.is_dir() {
+        let mistake = Mistake::new(Status::CannotWrite, "there is a folder of that name").at(place);
+        return Err(mistake.hint("choose another name").into());
+    }
+    Ok(())
+}
+
+/// The reports that `pattern` stands for, at least one.
+fn found(pattern: &str) -> Result<Vec<PathBuf>> {
+    let all = resolve::expand(Path::new(""), pattern)
+        .map_err(|problem| Mistake::new(Status::Usage, format!("`{pattern}` is no glob: {problem}")))?;
+    let mut files: Vec<PathBuf> = Vec::new();
+    for one in all {
+        files.push(if one.path.is_dir() { one.path.join("run.json") } else { one.path });
+    }
+    if files.is_empty() && Path::new(pattern).is_dir() {
+        files.push(Path::new(pattern).join("run.json"));
+    }
+    match files.iter().find(|file| !file.is_file()) {
+        Some(missing) => {
+            let message = format!("no such file: {}", missing.display());
+            let hint = "a run writes its report beside its first result, as `run.json`";
+            Err(Mistake::new(Status::MissingInput, message).hint(hint).into())
+        }
+        None if files.is_empty() => {
+            let message = format!("no file matches `{pattern}`");
+            let hint = "a run writes its report beside its first result, as `run.json`";
+            Err(Mistake::new(Status::MissingInput, message).hint(hint).into())
+        }
+        None => Ok(files),
+    }
+}
+
+fn read(file: &Path) -> Result<Report> {
+    let text = std::fs::read_to_string(file).map_err(|error| Mistake::from(Error::read(file, error)))?;
+    let report = serde_json::from_str(&text).map_err(|error| {
+        Mistake::new(Status::BadData, format!("not the report of a run: {error}"))
+            .at(Place::File(file.into()))
+            .hint("give the `run.json` that `mimesh run` writes; one of an older version is made anew by running again")
+    })?;
+    Ok(report)
+}
+
+/// What tells runs apart: the name of the run, else of the folder, else the path.
+fn names(files: &[PathBuf], reports: &[Report]) -> Vec<String> {
+    let of_run = |(_, report): (&PathBuf, &Report)| report.run.as_ref().map(|run| run.name.clone());
+    let folder = |(file, _): (&PathBuf, &Report)| Some(file.parent()?.file_name()?.to_string_lossy().into_owned());
+    let path = |(file, _): (&PathBuf, &Report)| Some(file.display().to_string());
+    let apart = |names: &Option<Vec<String>>| {
+        names.as_ref().is_some_and(|names| names.iter().collect::<std::collections::HashSet<_>>().len() == names.len())
+    };
+    let all = || files.iter().zip(reports);
+    let choices = [all().map(of_run).collect(), all().map(folder).collect(), all().map(path).collect()];
+    choices.into_iter().find(apart).flatten().unwrap_or_else(|| files.iter().map(|f| f.display().to_string()).collect())
+}
+
+fn as_text(runs: &[Shown]) -> String {
+    let mut rows = vec![std::iter::once(String::new()).chain(runs.iter().map(|run| run.name.clone())).collect()];
+    let verdict = |run: &Shown| run.report.verdict.map_or("-", |level| level.word()).to_owned();
+    rows.push(std::iter::once("verdict".to_owned()).chain(runs.iter().map(verdict)).collect());
+    for column in page::columns(runs) {
+        let values: Vec<_> = runs.iter().map(|run| page::average(&run.report, &column)).collect();
+        let best = page::best(&values);
+        let cell = |(i, value): (usize, &Option<f64>)| match value {
+            Some(value) => format!("{}{}", if best == Some(i) { "*" } else { "" }, number(*value)),
+            None => "-".into(),
+        };
+        let name = format!("{} {}", column.metric, column.figure);
+        rows.push(std::iter::once(name).chain(values.iter().enumerate().map(cell)).collect::<Vec<_>>());
+    }
+    rows.push(std::iter::once("seconds".to_owned()).chain(runs.iter().map(|r| seconds(r.report.seconds))).collect());
+    table(&rows) + "  averages over poses\n"
+}
+
+fn as_json(files: &[PathBuf], runs: &[Shown]) -> Value {
+    let one = |(file, run): (&PathBuf, &Shown)| {
+        json!({
+            "name": run.name, "place": file, "run": run.report.run, "status": run.report.status,
+            "verdict": run.report.verdict, "markers": run.report.markers, "seconds": run.report.seconds,
+            "metrics": run.report.metrics,
+        })
+    };
+    json!({ "runs": files.iter().zip(runs).map(one).collect::<Vec<_>>() })
+}
+
+/// Pictures of the poses of a run, and why there are none.
+fn draw(report: &Report) -> (Vec<page::Image>, Option<String>) {
+    let formats = Formats::new(vec![]);
+    match results(report, &formats) {
+        Ok(results) => {
+            let look: Look = serde_json::from_value(report.settings["pictures"].clone())
+                .map(|settings: crate::pipeline::PictureSettings| settings.into())
+                .unwrap_or_else(|_| crate::pipeline::PictureSettings::default().into());
+            let truth = truth(report, &formats);
+            let image = |(name, mesh): &(String, Mesh)| {
+                let surface = Surface::new(mesh).ok()?;
+                let error = truth.as_ref().and_then(|truth| errors(&truth.rest, truth.poses.get(name)?, mesh));
+                let picture: Picture = pictures::plain(&surface, error.as_deref(), look, PIXELS);
+                Some(pictures::image(name, format!("result of pose {name}"), &picture))
+            };
+            (results.par_iter().filter_map(image).collect(), None)
+        }
+        Err(problem) => (vec![], Some(problem)),
+    }
+}
+
+/// The results of a run, pose by pose, from the files it wrote.
+fn results(report: &Report, formats: &Formats) -> std::result::Result<Vec<(String, Mesh)>, String> {
+    let patterns: OneOrMany = serde_json::from_value(report.settings["output"].clone()).unwrap_or_default();
+    for pattern in &patterns.items {
+        let file = |name: &str| {
+            let wanted = PathBuf::from(resolve::with_pose(pattern, name));
+            report.outputs.iter().map(|output| &output.path).find(|path| path.file_name() == wanted.file_name())
+        };
+        if pattern.contains("{pose}") {
+            let read = |name: &String| {
+                let path = file(name)?;
+                Some((name.clone(), formats.reader(path).ok()?.read(path).ok()?.rest))
+            };
+            let all: Vec<_> = report.poses.iter().map(|pose| &pose.name).filter_map(read).collect();
+            if !all.is_empty() {
+                return Ok(all);
+            }
+        } else if let Some(path) = file("").filter(|path| formats.reader(path).is_ok()) {
+            let Ok(format) = formats.reader(path) else { continue };
+            let sequence = format.read(path).map_err(|error| in_file(path, error).to_string())?;
+            let posed = |pose: crate::core::mesh::Pose| {
+                (pose.name, Mesh { positions: pose.positions, ..sequence.rest.clone() })
+            };
+            return Ok(sequence.poses.into_iter().map(posed).collect());
+        }
+    }
+    Err("its results are not where they were written".into())
+}
+
+/// The known results of a run, by name of pose.
+struct Truth {
+    rest: Mesh,
+    poses: HashMap<String, Vec<Point3<f64>>>,
+}
+
+fn truth(report: &Report, formats: &Formats) -> Option<Truth> {
+    let of_role = |role: &'static str| report.inputs.iter().filter(move |input| input.role == role);
+    if let Some(sample) = report.settings["target"].get("sample") {
+        let sample: Box<dyn Sample> = serde_json::from_value(sample.clone()).ok()?;
+        let sequence = sample.make().ok()?;
+        let poses = sequence.poses.into_iter().map(|pose| (pose.name, pose.positions)).collect();
+        return Some(Truth { rest: sequence.rest, poses });
+    }
+    let rest = &of_role("target rest").next()?.path;
+    let rest = formats.reader(rest).ok()?.read(rest).ok()?.rest;
+    let files: Vec<&PathBuf> = of_role("truth").map(|input| &input.path).collect();
+    if files.len() != report.poses.len() {
+        return None;
+    }
+    let read = |(pose, file): (&crate::pipeline::report::PoseReport, &&PathBuf)| {
+        Some((pose.name.clone(), formats.reader(file).ok()?.read_pose(file, &rest).ok()?))
+    };
+    let poses = report.poses.iter().zip(&files).filter_map(read).collect();
+    Some(Truth { rest, poses })
+}
+
+/// The error of each vertex of `result`, where it has the vertices of the truth.
+fn errors(rest: &Mesh, truth: &[Point3<f64>], result: &Mesh) -> Option<Vec<f64>> {
+    let metric = crate::core::plugin::instance::<dyn Metric>("point_error")?;
+    let surface = Surface::new(rest).ok()?;
+    let judges = Judges::bind(&[metric], Subject::alone(rest, &surface)).ok()?;
+    let judgement = judges.measure(Judged::against(&result.positions, truth)).ok()?;
+    judgement.measured.into_iter().next().map(|(_, measured)| measured.field)
+}
