@@ -219,13 +219,14 @@ fn a_run_that_fails_does_not_stop_the_others() {
     // Several runs in one folder have a report each.
     assert_eq!(names[2], "run-poses=pose-1.obj,transfer=copy_displacement.json");
     let table: Vec<&str> = said.out.lines().collect();
-    assert_eq!(table[0].split_whitespace().collect::<Vec<_>>(), ["poses", "transfer", "seconds", "status"]);
+    assert_eq!(table[0].split_whitespace().collect::<Vec<_>>(), ["poses", "transfer", "verdict", "seconds", "status"]);
     let ends: Vec<_> = table[1..5].iter().map(|line| line.split_whitespace().last().unwrap()).collect();
     assert_eq!(ends, ["done", "done", "failed", "failed"]);
     assert!(table.last().unwrap().starts_with("2 of 4 runs done, 2 failed, in "), "{}", said.out);
     let csv = project.read("results.csv");
     assert!(
-        csv.starts_with("source.poses,transfer,seconds,status\npose-1.obj,\"{\"\"type\"\":\"\"gradient\"\"}\","),
+        csv.starts_with("source.poses,transfer,area_change.beyond,")
+            && csv.contains("verdict,seconds,status\npose-1.obj,\"{\"\"type\"\":\"\"gradient\"\"}\","),
         "{csv}"
     );
 }
@@ -252,7 +253,7 @@ fn results_are_json_and_tables_in_files_too() {
     assert_eq!(results["runs"][1]["report"]["status"], "done");
     let markdown = project.read("t/results.md");
     assert!(
-        markdown.starts_with("| poses | transfer | seconds | status |\n| --- | --- | ---: | ---: |\n"),
+        markdown.starts_with("| poses | transfer | verdict | seconds | status |\n| --- | --- | ---: | ---: | ---: |\n"),
         "{markdown}"
     );
     let wrong = project.mimesh(&["run", "p.yaml", "--table", "results.txt"]);

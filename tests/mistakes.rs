@@ -83,7 +83,7 @@ const TOLD: [&str; 42] = [
     "p.yaml:24:54: unknown key `smoothing`",
     "p.yaml:25:78: unknown transfer `biharmonc`",
     "p.yaml:26:35: unknown gate `point_eror`",
-    "p.yaml:26:52: unknown gate `volume`",
+    "p.yaml:26:60: `volume`: expected a number of at least 0, found -1",
     "p.yaml:27:36: the metric `point_error` without `truth`",
     "p.yaml:28:33: unknown placeholder `{poze}`",
     "p.yaml:30:11: unknown key `reweightings` (of `w`)",

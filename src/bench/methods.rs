@@ -5,8 +5,30 @@ pub struct Method {
     pub name: &'static str,
     /// Its stages in YAML; `proximity` is added where the target has several components.
     pub stages: &'static str,
-    /// Whether it takes part only where the target has several components.
-    pub for_components: bool,
+    /// The targets that it is for.
+    pub targets: Targets,
+}
+
+/// Targets by their number of components.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Targets {
+    /// Of one.
+    Whole,
+    /// Of several.
+    Parts,
+    /// Of any number.
+    Any,
+}
+
+impl Method {
+    /// Whether it takes a target that has several components or not.
+    pub fn takes(&self, several: bool) -> bool {
+        match self.targets {
+            Targets::Whole => !several,
+            Targets::Parts => several,
+            Targets::Any => true,
+        }
+    }
 }
 
 /// The methods that are measured, simplest first; doing nothing is measured with each of them.
@@ -14,23 +36,23 @@ pub const METHODS: [Method; 5] = [
     Method {
         name: "copy_displacement",
         stages: "correspondence: { type: nonrigid_fit }\ntransfer: { type: copy_displacement }\n",
-        for_components: false,
+        targets: Targets::Any,
     },
     Method {
         name: "gradient",
         stages: "correspondence: { type: nonrigid_fit }\ntransfer: { type: gradient }\n",
-        for_components: false,
+        targets: Targets::Whole,
     },
-    Method { name: "biharmonic", stages: "transfer: { type: biharmonic }\n", for_components: false },
+    Method { name: "biharmonic", stages: "transfer: { type: biharmonic }\n", targets: Targets::Any },
     Method {
         name: "multi_component",
         stages: "correspondence: { type: nonrigid_fit }\ntransfer: { type: multi_component }\n",
-        for_components: true,
+        targets: Targets::Parts,
     },
     Method {
         name: "combined",
         stages: "correspondence: { type: nonrigid_fit }\n\
                  transfer: { type: multi_component, initial: { type: biharmonic } }\n",
-        for_components: true,
+        targets: Targets::Parts,
     },
 ];

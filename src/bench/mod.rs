@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 
 pub use self::{
     cases::{Case, folder, samples},
-    methods::{METHODS, Method},
+    methods::{METHODS, Method, Targets},
     table::{csv, markdown, rows},
 };
 use crate::{

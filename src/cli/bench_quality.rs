@@ -61,7 +61,7 @@ impl BenchQuality {
         let folder = self.out.as_deref().or(temporary.as_ref().map(tempfile::TempDir::path)).unwrap_or(Path::new("."));
         let mut entries: Vec<Entry> = Vec::new();
         for case in &cases {
-            for method in methods.iter().filter(|method| case.components || !method.for_components) {
+            for method in methods.iter().filter(|method| method.takes(case.components)) {
                 let progress = Progress::new(false);
                 progress.stage(&format!("{}: {}", case.name, method.name));
                 let threads = self.threads.map_or(0, usize::from);

@@ -151,7 +151,7 @@ impl Run {
     }
 }
 
-/// How all runs ended together: partly done if any of several gave results and not all did.
+/// How all runs ended together: with a broken gate if any has one; partly done if any of several gave results and not all did.
 fn status(results: &Results) -> Status {
     let failed = results.rows.iter().filter_map(|row| match &row.ended {
         Ended::Failed(mistakes) => Some(mistakes),
@@ -159,6 +159,7 @@ fn status(results: &Results) -> Status {
     });
     match results.status() {
         "done" => Status::Done,
+        "gate" => Status::Gate,
         "failed" => Status::of_all(failed.flatten().map(|mistake| mistake.status)),
         _ => Status::Partly,
     }

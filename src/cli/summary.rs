@@ -93,7 +93,8 @@ pub fn of_all(results: &Results) -> String {
     if done == all {
         let _ = writeln!(text, "\n{} done in {time}", count(all, "run", "runs"));
     } else {
-        let rest = [("partly done", ended("partly")), ("failed", ended("failed"))];
+        let rest =
+            [("with a broken gate", ended("gate")), ("partly done", ended("partly")), ("failed", ended("failed"))];
         let rest: Vec<_> = rest.iter().filter(|(_, n)| *n > 0).map(|(what, n)| format!("{n} {what}")).collect();
         let _ = writeln!(text, "\n{done} of {} done, {}, in {time}", count(all, "run", "runs"), rest.join(", "));
     }
@@ -128,7 +129,7 @@ fn verdicts(report: &Report) -> String {
     told.sort_by_key(|(_, verdict)| std::cmp::Reverse(verdict.level));
     for (pose, verdict) in told.iter().take(MOST_ROWS) {
         let reasons: Vec<_> = verdict.reasons.iter().take(3).map(Reason::words).collect();
-        let _ = writeln!(text, "  {} is {}: {}", pose.name, verdict.level.word(), reasons.join("; "));
+        let _ = writeln!(text, "  {}, {}: {}", pose.name, verdict.level.word(), reasons.join("; "));
     }
     if told.len() > MOST_ROWS {
         let _ = writeln!(text, "  … and {} more poses", told.len() - MOST_ROWS);

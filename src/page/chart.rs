@@ -42,7 +42,8 @@ pub struct Axes<'a> {
 
 /// The curves of a run: the share of vertices within an error, and the main figure of each metric over poses.
 pub fn curves(report: &Report) -> Markup {
-    let shares: Vec<Vec<f64>> = report.poses.iter().filter_map(|pose| shares(&pose.metrics["point_error"])).collect();
+    let shares: Vec<Vec<f64>> =
+        report.poses.iter().filter_map(|pose| shares(pose.metrics.get("point_error")?)).collect();
     let columns = if report.poses.len() > 1 { headlines(&report.poses) } else { vec![] };
     html! {
         @if !shares.is_empty() || !columns.is_empty() {

@@ -73,6 +73,9 @@ pub struct Reason {
     pub metric: String,
     /// Its figure.
     pub figure: String,
+    /// What it is about, where that is one among many, e.g. `marker 28`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub about: Option<String>,
     /// What was found.
     pub value: f64,
     /// What would pass.
@@ -95,7 +98,8 @@ impl Reason {
     /// In words: `edge stretch p99 85.1, above 60`.
     pub fn words(&self) -> String {
         let what = format!("{} {}", self.metric, self.figure).replace('_', " ");
-        format!("{what} {}, above {}", number(self.value), number(self.limit))
+        let about = self.about.as_ref().map(|about| format!(" ({about})")).unwrap_or_default();
+        format!("{what} {}{about}, above {}", number(self.value), number(self.limit))
     }
 
     /// How many times the limit was found; at least 1, and infinite where nothing was to be.
@@ -116,6 +120,11 @@ impl Judgement {
     pub fn figures(&self) -> Map<String, Value> {
         let value = |measured: &Measured| serde_json::to_value(&measured.figures).unwrap_or_default();
         self.measured.iter().map(|(name, measured)| (name.clone(), value(measured))).collect()
+    }
+
+    fn about(&self, metric: &str, figure: &str) -> Option<String> {
+        let (_, measured) = self.measured.iter().find(|(name, _)| name == metric)?;
+        measured.about.iter().find(|(name, _)| *name == figure).map(|(_, about)| about.clone())
     }
 
     fn number(&self, metric: &str, figure: &str) -> Option<f64> {
@@ -188,7 +197,8 @@ impl<'a> Judges<'a> {
         let mut reasons = Vec::new();
         let mut above = |level, metric: &str, figure: &str, limit: f64| {
             let Some(value) = judgement.number(metric, figure).filter(|value| value.abs() > limit) else { return };
-            reasons.push(Reason { level, metric: metric.into(), figure: figure.into(), value, limit });
+            let about = judgement.about(metric, figure);
+            reasons.push(Reason { level, metric: metric.into(), figure: figure.into(), about, value, limit });
         };
         let gated = |metric: &str, figure: &str| self.gates.iter().any(|g| g.metric == metric && g.figure == figure);
         for gate in &self.gates {

@@ -22,8 +22,7 @@ use super::{
 use crate::{
     core::{
         mesh::{Surface, SurfacePoint},
-        plugin,
-        stage::{Measured, Metric},
+        stage::Measured,
     },
     page::{Image, Pictures},
 };
@@ -157,8 +156,8 @@ impl<'a> Gallery<'a> {
         let mut canvas = Canvas::new(pixels, pixels, view);
         canvas.mesh(&posed, &target.surface.triangles, &Paint::Plain(SAND));
         canvas.draw_onto(&mut picture, pixels as i32, 0);
-        if let Some((metric, measured)) = shown {
-            let field = Field { values: &measured.field, metric, unit: measured.field_unit };
+        if let Some(measured) = shown {
+            let field = Field { values: &measured.field, high: measured.field_high, unit: measured.field_unit };
             coloured(&mut picture, 2 * pixels, &target.surface, &posed, view, field);
         }
         picture
@@ -249,7 +248,7 @@ pub fn plain(surface: &Surface, errors: Option<&[f64]>, look: Look, size: u32) -
     let view = look.at(&surface.positions);
     match errors {
         Some(errors) => {
-            let field = Field { values: errors, metric: "point_error", unit: "error, %" };
+            let field = Field { values: errors, high: 5.0, unit: "error, %" };
             coloured(&mut picture, 0, surface, &surface.positions, view, field);
         }
         None => {
@@ -265,8 +264,8 @@ pub fn plain(surface: &Surface, errors: Option<&[f64]>, look: Look, size: u32) -
 #[derive(Clone, Copy)]
 struct Field<'f> {
     values: &'f [f64],
-    /// Type of the metric that says so.
-    metric: &'f str,
+    /// The end of the colours.
+    high: f64,
     /// What the values are.
     unit: &'f str,
 }
@@ -275,7 +274,7 @@ struct Field<'f> {
 fn coloured(picture: &mut Picture, x: u32, surface: &Surface, posed: &[Point3<f64>], view: View, field: Field<'_>) {
     let size = picture.height;
     let values = on_surface(surface, field.values);
-    let scale = Scale::new(0.0, worst_of_scale(field.metric));
+    let scale = Scale::new(0.0, field.high);
     let mut canvas = Canvas::new(size, size - LEGEND, view);
     canvas.mesh(posed, &surface.triangles, &Paint::Values { values: &values, scale: &scale });
     canvas.draw_onto(picture, x as i32, 0);
@@ -284,23 +283,17 @@ fn coloured(picture: &mut Picture, x: u32, surface: &Surface, posed: &[Point3<f6
 }
 
 /// What is shown in colour: the point error if there is one, else what the verdict is about, else the stretch.
-fn field<'m>(judgement: &'m Judgement, verdict: Option<&Verdict>) -> Option<(&'m str, &'m Measured)> {
+fn field<'m>(judgement: &'m Judgement, verdict: Option<&Verdict>) -> Option<&'m Measured> {
     let of = |name: &str| {
         let found = judgement.measured.iter().find(|(metric, measured)| metric == name && !measured.field.is_empty());
-        found.map(|(metric, measured)| (metric.as_str(), measured))
+        found.map(|(_, measured)| measured)
     };
     let reasons = verdict.into_iter().flat_map(|verdict| &verdict.reasons).map(|reason| reason.metric.as_str());
     let wanted = std::iter::once("point_error").chain(reasons).chain(["edge_stretch"]);
     wanted.into_iter().find_map(of).or_else(|| {
         let any = judgement.measured.iter().find(|(_, measured)| !measured.field.is_empty());
-        any.map(|(metric, measured)| (metric.as_str(), measured))
+        any.map(|(_, measured)| measured)
     })
-}
-
-/// The end of the colours of a metric: where it calls its first figure bad.
-fn worst_of_scale(metric: &str) -> f64 {
-    let metric = plugin::instance::<dyn Metric>(metric);
-    metric.and_then(|metric| metric.limits().first().map(|limit| limit.bad)).filter(|bad| *bad > 0.0).unwrap_or(5.0)
 }
 
 /// Values of the mesh's vertices for those of its surface.

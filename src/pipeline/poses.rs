@@ -294,7 +294,11 @@ impl Bench<'_> {
     fn judge(&self, i: usize, ready: &Ready, before: [Option<Frame<'_>>; 2], report: &mut PoseReport) -> Result<()> {
         let Prepared { truth, formats, target, .. } = self.prepared;
         let rest = &target.sequence.rest;
-        let truth = truth.positions(i, &report.name, rest, formats)?;
+        let truth = truth.positions(i, &report.name, rest, formats).unwrap_or_else(|error| {
+            // What needs no truth is measured all the same.
+            report.figures.warn(format!("not scored: {error}"));
+            None
+        });
         let judged =
             Judged { result: &ready.positions, truth: truth.as_deref(), source: ready.source.as_deref(), before };
         let judgement = self.judges.measure(judged)?;

@@ -52,7 +52,9 @@ pub struct Pipeline {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("examples" = ["truth/camel-{pose}.obj"]))]
     pub truth: Option<PathBuf>,
-    /// What to measure of every pose; left out, what `mimesh list metric` marks as usual. Some need the truth.
+    /// What to measure of every pose beside the usual metrics, or with other settings than usual; `[]` measures nothing.
+    ///
+    /// docs/metrics.md tells which are usual, and which need the truth.
     pub metrics: Option<Vec<Box<dyn Metric>>>,
     /// The most that figures of any pose may be, whatever their sign, for an exit status of 0: `METRIC_FIGURE`, or `METRIC` for the
     /// figure that says most of it. A run that breaks one ends with status 3; its results are written.

@@ -98,10 +98,14 @@ pub struct Frame<'a> {
 pub struct Measured {
     /// The figures; none if the pose cannot be judged.
     pub figures: Figures,
+    /// Figures that are about one thing among many, and which that is, in words, e.g. `marker 28`.
+    pub about: Vec<(&'static str, String)>,
     /// For pictures: how bad each vertex of the target's mesh is (≥ 0, NaN where unknown); empty if that makes no sense.
     pub field: Vec<f64>,
-    /// What `field` is, with its unit, e.g. `error, %`.
+    /// What `field` is, with its unit, in a word or two, e.g. `error, %`.
     pub field_unit: &'static str,
+    /// The end of the colours for `field`: a value that is bad.
+    pub field_high: f64,
 }
 
 /// From where on a figure is bad.

@@ -38,7 +38,8 @@ pub fn metric(name: &str, stage: &dyn Metric) {
             }
             let field = measured.field.len();
             assert!(field == 0 || field == result.len(), "{name}: a field of {field} values for {}", result.len());
-            assert!(measured.field.iter().all(|x| !(*x < 0.0)), "{name}: a field with negative values");
+            assert!(measured.field.iter().all(|x| x.is_nan() || *x >= 0.0), "{name}: a field with negative values");
+            assert!(field == 0 || measured.field_high > 0.0, "{name}: a field without `field_high`");
             let again = one_thread(run);
             assert!(measured.figures == again.figures, "{name}: other figures on one thread");
         }

@@ -6,9 +6,11 @@ use mimesh_core::{
     register,
     stage::{BoundMetric, Judged, Limit, Measured, Metric, Subject},
 };
-use nalgebra::{Point3, Vector3};
+use nalgebra::Vector3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+
+use crate::size;
 
 register!(Metric: PointError);
 
@@ -30,13 +32,7 @@ pub struct PointError {}
 #[typetag::serde(name = "point_error")]
 impl Metric for PointError {
     fn bind<'a>(&self, subject: Subject<'a>) -> Result<Box<dyn BoundMetric + 'a>> {
-        let diagonal = subject.rest.diagonal();
-        if !(diagonal.is_finite() && diagonal > 0.0) {
-            return Err(Error::data(
-                format!("the rest mesh has a bounding box of diagonal {diagonal}: expected a finite length above 0"),
-                "errors are given relative to this length; give the rest mesh that the result was made from",
-            ));
-        }
+        let diagonal = size::of_rest(subject.rest)?;
         Ok(Box::new(Bound { subject, diagonal, labels: components(subject.rest) }))
     }
 
@@ -86,14 +82,13 @@ impl BoundMetric for Bound<'_> {
         self.subject.check(&pose)?;
         let (result, Some(truth)) = (pose.result, pose.truth) else { return Ok(Measured::default()) };
         let count = result.len();
-        let finite = |p: &Point3<f64>| p.coords.iter().all(|x| x.is_finite());
-        if let Some(vertex) = truth.iter().position(|p| !finite(p)) {
+        if let Some(vertex) = truth.iter().position(|p| !size::is_finite(p)) {
             return Err(Error::data(
                 format!("the truth is not finite at vertex {vertex} (from 0)"),
                 "export the known result again without NaN and infinity",
             ));
         }
-        let good: Vec<usize> = (0..count).filter(|&v| finite(&result[v])).collect();
+        let good: Vec<usize> = (0..count).filter(|&v| size::is_finite(&result[v])).collect();
         let mut figures = Figures::default();
         figures.set("vertices", count);
         figures.set("nonfinite", count - good.len());
@@ -132,7 +127,7 @@ impl BoundMetric for Bound<'_> {
             figures.set("comp_mean", offsets.iter().sum::<f64>() / offsets.len() as f64);
             figures.set("comp_max", offsets.iter().copied().fold(0.0, f64::max));
         }
-        Ok(Measured { figures, field, field_unit: "error, %" })
+        Ok(Measured { figures, about: vec![], field, field_unit: "error, %", field_high: 5.0 })
     }
 }
 
@@ -201,6 +196,7 @@ mod tests {
         mesh::{Mesh, Surface},
         testkit::meshes,
     };
+    use nalgebra::Point3;
     use proptest::prelude::*;
 
     use super::*;

@@ -66,19 +66,36 @@ impl Check<'_> {
         }
     }
 
-    /// What is measured: what the pipeline says, else what is usual.
+    /// What is measured: what is usual and what the pipeline names, which goes before the usual of its type; nothing if it names
+    /// an empty list.
     pub(super) fn metrics(&mut self, given: Option<Vec<Box<dyn Metric>>>, truth: &Truth) -> Vec<Box<dyn Metric>> {
-        let Some(metrics) = given else {
-            let all = plugin::instances::<dyn Metric>().into_iter().map(|(_, metric)| metric);
-            return all.filter(|metric| metric.by_default()).collect();
-        };
+        let usual = plugin::instances::<dyn Metric>().into_iter().map(|(_, metric)| metric);
+        let usual = usual.filter(|metric| metric.by_default());
+        let Some(mut metrics) = given else { return usual.collect() };
+        if metrics.is_empty() {
+            return metrics;
+        }
         let first = metrics.iter().position(|metric| metric.needs_truth());
         if let Some(i) = first.filter(|_| self.knows_no(truth)) {
             let hint = "say where the known results are: `truth: truth/{pose}.obj`; or remove it";
             let message = format!("the metric `{}` without `truth`", metrics[i].typetag_name());
             self.wrong(&path(["metrics", &i.to_string()]), At::Value, message, hint);
         }
-        metrics
+        for i in 1..metrics.len() {
+            if metrics[..i].iter().any(|other| other.typetag_name() == metrics[i].typetag_name()) {
+                let message = format!("the metric `{}` a second time", metrics[i].typetag_name());
+                self.wrong(
+                    &path(["metrics", &i.to_string()]),
+                    At::Value,
+                    message,
+                    "put all its settings into one entry",
+                );
+            }
+        }
+        let named: Vec<&str> = metrics.iter().map(|metric| metric.typetag_name()).collect();
+        let mut all: Vec<Box<dyn Metric>> = usual.filter(|metric| !named.contains(&metric.typetag_name())).collect();
+        all.append(&mut metrics);
+        all
     }
 
     fn knows_no(&self, truth: &Truth) -> bool {

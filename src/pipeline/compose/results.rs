@@ -4,7 +4,11 @@ use serde::Serialize;
 use serde_json::{Map, Value, json};
 
 use super::{Variant, names};
-use crate::{mistake::Mistake, pipeline::Report};
+use crate::{
+    core::{plugin, stage::Metric},
+    mistake::Mistake,
+    pipeline::{Report, judge::Level},
+};
 
 /// How the runs of a file ended, as a table: a row a run, a column for its target, for each key that the matrix varies,
 /// for each metric, for the time and for how it ended.
@@ -46,11 +50,19 @@ struct Column {
 }
 
 impl Row {
-    /// `done`, `partly` or `failed`.
+    /// `done`, `gate` if a pose breaks one, `partly` or `failed`.
     pub fn status(&self) -> &str {
         match &self.ended {
+            Ended::Report(report) if report.verdict == Some(Level::Failed) && report.status == "done" => "gate",
             Ended::Report(report) => &report.status,
             Ended::Failed(_) => "failed",
+        }
+    }
+
+    fn verdict(&self) -> Option<Level> {
+        match &self.ended {
+            Ended::Report(report) => report.verdict,
+            Ended::Failed(_) => None,
         }
     }
 
@@ -68,18 +80,20 @@ impl Row {
 }
 
 impl Results {
-    /// `done` if every run is, `failed` if every run has, else `partly`.
+    /// `done` if every run is, `gate` if all are but for gates, `failed` if every run has, else `partly`.
     pub fn status(&self) -> &'static str {
         match &self.rows.iter().map(Row::status).collect::<Vec<_>>()[..] {
             all if all.iter().all(|status| *status == "done") => "done",
+            all if all.iter().all(|status| ["done", "gate"].contains(status)) => "gate",
             all if all.iter().all(|status| *status == "failed") => "failed",
             _ => "partly",
         }
     }
 
-    /// For people: the mean of each metric, keys by their short names.
+    /// For people: the mean of each metric that tells runs apart, keys by their short names.
     pub fn table(&self) -> Vec<Vec<String>> {
-        let columns: Vec<Column> = self.columns().into_iter().filter(|column| self.is_main(column)).collect();
+        let tells = |column: &Column| self.is_main(column) && !is_usual(&column.metric);
+        let columns: Vec<Column> = self.columns().into_iter().filter(tells).collect();
         let several = |metric: &str| columns.iter().filter(|column| column.metric == metric).count() > 1;
         let heading = |column: &Column| match several(&column.metric) || column.figure != "mean" {
             true => format!("{} {}", column.metric, column.figure),
@@ -196,18 +210,29 @@ impl Results {
     ) -> Vec<Vec<String>> {
         let target = self.has_targets();
         let mut heading: Vec<String> = target.then(|| "target".into()).into_iter().collect();
-        heading.extend(keys.iter().chain(headings).cloned().chain(["seconds".into(), "status".into()]));
+        let judged = self.rows.iter().any(|row| row.verdict().is_some());
+        let verdict = judged.then(|| "verdict".to_owned());
+        let last = verdict.into_iter().chain(["seconds".into(), "status".into()]);
+        heading.extend(keys.iter().chain(headings).cloned().chain(last));
         let mut rows = vec![heading];
         for row in &self.rows {
             let mut cells: Vec<String> =
                 target.then(|| row.variant.target.clone().unwrap_or_default()).into_iter().collect();
             cells.extend((0..keys.len()).map(|i| value(row, i)));
             cells.extend(columns.iter().map(|column| row.average(column).map(&figure).unwrap_or_else(|| "-".into())));
+            if judged {
+                cells.push(row.verdict().map_or("-", Level::word).into());
+            }
             cells.extend([format!("{:.2}", row.seconds), row.status().into()]);
             rows.push(cells);
         }
         rows
     }
+}
+
+/// Whether a metric is one of those whose verdict says enough: measured by itself, and no distance to the truth.
+fn is_usual(metric: &str) -> bool {
+    metric != "point_error" && plugin::instance::<dyn Metric>(metric).is_some_and(|metric| metric.by_default())
 }
 
 #[cfg(test)]

@@ -1,0 +1,126 @@
+//! How much edges grow and shrink.
+
+use mimesh_core::{
+    Result, register,
+    stage::{BoundMetric, Limit, Metric, Subject},
+};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::{
+    change::{Change, FIGURES},
+    elements,
+};
+
+register!(Metric: EdgeStretch);
+
+/// How much edges grow and shrink, beyond what the source's edges do.
+///
+/// For each edge of the welded surface s = ln(l / l₀), l its length in the pose and l₀ at rest; its stretch in percent is
+/// 100 (e^|s| − 1), so that twice as long and half as long are both 100 %. Percentiles count each edge by l₀. Figures:
+/// - `p99` and `max` of the stretch;
+/// - `median`: 100 (eᵐ − 1) of the median m of s, with its sign: a wrong scale shows here;
+/// - `source_p99`, `source_max`, `source_median`: the same of the source's edges;
+/// - `beyond` = max(0, `p99` − `source_p99`), in percentage points;
+/// - `left_out`: edges shorter than 1e-5 of the diagonal at rest, or with an end that is not finite.
+///
+/// Lengths below 1e-5 of the diagonal count as that. The field is the largest stretch of the edges around a vertex beyond
+/// `source_p99`.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema, Serialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct EdgeStretch {}
+
+#[typetag::serde(name = "edge_stretch")]
+impl Metric for EdgeStretch {
+    fn bind<'a>(&self, subject: Subject<'a>) -> Result<Box<dyn BoundMetric + 'a>> {
+        let target = elements::edges(subject.surface);
+        let source = subject.pair.map(|pair| elements::edges(pair.source));
+        Ok(Box::new(Change { subject, target, source, field_unit: "stretch, %", field_high: 100.0 }))
+    }
+
+    fn figures(&self) -> Vec<&'static str> {
+        FIGURES.to_vec()
+    }
+
+    fn limits(&self) -> Vec<Limit> {
+        vec![
+            Limit { figure: "beyond", doubtful: 25.0, bad: 100.0 },
+            Limit { figure: "median", doubtful: 10.0, bad: 30.0 },
+        ]
+    }
+
+    fn by_default(&self) -> bool {
+        true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use mimesh_core::testkit::meshes;
+    use nalgebra::{Point3, Rotation3, Vector3};
+
+    use super::*;
+    use crate::testing::{alone, assert_figure, scaled, with_source};
+
+    /// Some roundings of numbers of size 100.
+    const ROUNDING: f64 = 1e-10;
+
+    #[test]
+    fn twice_as_large_and_half_as_large_are_both_stretched_by_a_hundred_percent() {
+        let sphere = meshes::icosphere(2);
+        let figures = alone(&EdgeStretch {}, &sphere, &scaled(&sphere.positions, 2.0)).figures;
+        ["p99", "max", "median"].iter().for_each(|name| assert_figure(&figures, name, 100.0, ROUNDING));
+        assert!(figures.number("beyond").is_none(), "nothing is known of a source");
+        let figures = alone(&EdgeStretch {}, &sphere, &scaled(&sphere.positions, 0.5)).figures;
+        assert_figure(&figures, "p99", 100.0, ROUNDING);
+        assert_figure(&figures, "median", -50.0, ROUNDING);
+    }
+
+    #[test]
+    fn a_sheared_plane_stretches_its_three_kinds_of_edges_as_it_should() {
+        // Unit cells of edges (1, 0), (0, 1) and (1, 1); sheared they are (1, 0), (1, 1) and (2, 1).
+        let grid = meshes::grid(8, 8);
+        let sheared: Vec<_> = grid.positions.iter().map(|p| Point3::new(p.x + p.y, p.y, 0.0)).collect();
+        let figures = alone(&EdgeStretch {}, &grid, &sheared).figures;
+        let (up, across) = (100.0 * (2f64.sqrt() - 1.0), 100.0 * (2.5f64.sqrt() - 1.0));
+        assert_figure(&figures, "p99", across, ROUNDING);
+        assert_figure(&figures, "max", across, ROUNDING);
+        // 72 edges of 1/8 each way, 64 of √2/8: half of the weight lies below those that grow by √2.
+        assert_figure(&figures, "median", up, ROUNDING);
+    }
+
+    #[test]
+    fn a_rotation_stretches_nothing_and_what_the_source_does_too_is_not_beyond() {
+        let sphere = meshes::icosphere(2);
+        let turn = Rotation3::new(Vector3::new(1.0, -0.4, 2.0));
+        let turned: Vec<_> = sphere.positions.iter().map(|p| turn * p).collect();
+        let larger = scaled(&sphere.positions, 1.5);
+        assert_figure(&alone(&EdgeStretch {}, &sphere, &turned).figures, "max", 0.0, ROUNDING);
+        assert_figure(&with_source(&EdgeStretch {}, &sphere, &larger, &larger), "beyond", 0.0, 0.0);
+        let figures = with_source(&EdgeStretch {}, &sphere, &larger, &turned);
+        assert_figure(&figures, "beyond", 50.0, ROUNDING);
+        assert_figure(&figures, "source_p99", 0.0, ROUNDING);
+    }
+
+    #[test]
+    fn edges_without_length_are_left_out_and_edges_that_vanish_have_a_finite_stretch() {
+        let mut grid = meshes::grid(4, 4);
+        grid.positions[6] = grid.positions[7];
+        let figures = alone(&EdgeStretch {}, &grid, &grid.positions).figures;
+        assert_figure(&figures, "left_out", 1.0, 0.0);
+        assert_figure(&figures, "max", 0.0, ROUNDING);
+        let point = vec![Point3::origin(); grid.vertex_count()];
+        assert!(alone(&EdgeStretch {}, &grid, &point).figures.number("max").unwrap() > 1e5);
+    }
+
+    #[test]
+    fn the_field_shows_where_it_is() {
+        let grid = meshes::grid(4, 4);
+        let mut posed = grid.positions.clone();
+        posed[12].z += 1.0;
+        let field = alone(&EdgeStretch {}, &grid, &posed).field;
+        let largest = field.iter().copied().fold(0.0, f64::max);
+        assert_eq!(field[12], largest);
+        assert_eq!(field[0], 0.0, "a corner far from it is as it was");
+    }
+}

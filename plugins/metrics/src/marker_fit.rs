@@ -1,0 +1,254 @@
+//! Markers in a wrong place, and left and right swapped.
+
+use mimesh_core::{
+    Figures, Result, register,
+    stage::{BoundMetric, Judged, Limit, Measured, Metric, Pair, Subject},
+};
+use nalgebra::{DMatrix, Matrix3, Point3, Vector3};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::{
+    size,
+    spread::{Spread, first_largest},
+};
+
+register!(Metric: MarkerFit);
+
+/// Markers in a wrong place, and left and right swapped, at rest: whether the markers fit each other.
+///
+/// **A marker against the others.** The smoothest map from source to target through all markers but one (biharmonic:
+/// p ↦ Σ wⱼ ‖p − sⱼ‖ + A p + t) says where that one should lie. Its residual r is how far it lies from there, and its score
+/// r √m, m its diagonal value in the inverse of the system of all markers: a marker far from all others may miss by
+/// more than one among many (Rippa 1999). Figures:
+/// - `residual_p50`, `residual_max`: of r in percent of the target's diagonal;
+/// - `outlier`: the largest score over the median, both plus 0.1 % of the diagonal: 1 where all fit alike;
+/// - `worst`: the number of the marker with the largest score in the list, from 0.
+///
+/// **Left and right.** Both sides are freed of place, size and proportions: s̃ = Cₛ^(−1/2) (s − s̄), C the covariance. With
+/// σ₁ ≥ σ₂ ≥ |σ₃| the singular values of the mean of t̃ s̃ᵀ, σ₃ with the sign of its determinant, the best rotation leaves
+/// r₊ = 6 − 2 (σ₁ + σ₂ + σ₃), the best reflection r₋ = 6 − 2 (σ₁ + σ₂ − σ₃). Figures:
+/// - `mirror_gain` = √((r₊ + 0.01) / (r₋ + 0.01)): above 1 a reflection fits better than a rotation;
+/// - `mirrored`: 1 if that is above 1.2, else 0.
+///
+/// With fewer than eight markers, or markers nearly in a plane (spread across less than 1/50 of that along), the figures that cannot
+/// be had are left out. They are the same for every pose.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema, Serialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct MarkerFit {}
+
+/// Fewer markers do not fit or misfit.
+const FEWEST: usize = 8;
+/// More are thinned, since the work grows with the third power.
+const MOST: usize = 600;
+/// Spread across, relative to that along, below which points lie in a plane.
+const FLAT: f64 = 0.02;
+
+#[typetag::serde(name = "marker_fit")]
+impl Metric for MarkerFit {
+    fn bind<'a>(&self, subject: Subject<'a>) -> Result<Box<dyn BoundMetric + 'a>> {
+        let mut figures = Figures::default();
+        if let Some(pair) = subject.pair.filter(|pair| pair.markers.len() >= FEWEST) {
+            pair.check_markers()?;
+            let diagonal = size::of_rest(subject.rest)?;
+            fit(pair, diagonal, &mut figures);
+        }
+        Ok(Box::new(Bound { subject, figures }))
+    }
+
+    fn figures(&self) -> Vec<&'static str> {
+        vec!["mirrored", "mirror_gain", "outlier", "residual_p50", "residual_max", "worst"]
+    }
+
+    fn limits(&self) -> Vec<Limit> {
+        vec![
+            Limit { figure: "mirrored", doubtful: 0.0, bad: 0.0 },
+            Limit { figure: "outlier", doubtful: 7.0, bad: 12.0 },
+        ]
+    }
+
+    fn by_default(&self) -> bool {
+        true
+    }
+}
+
+struct Bound<'a> {
+    subject: Subject<'a>,
+    figures: Figures,
+}
+
+impl BoundMetric for Bound<'_> {
+    fn measure(&self, pose: Judged<'_>) -> Result<Measured> {
+        self.subject.check(&pose)?;
+        let worst = self.figures.number("worst").map(|worst| worst as usize);
+        let marker = self.subject.pair.zip(worst).and_then(|(pair, worst)| pair.markers.get(worst));
+        let about = marker.map(|marker| ("outlier", format!("marker {}", marker.name))).into_iter().collect();
+        Ok(Measured { figures: self.figures.clone(), about, ..Measured::default() })
+    }
+}
+
+fn fit(pair: Pair<'_>, diagonal: f64, figures: &mut Figures) {
+    let step = pair.markers.len().div_ceil(MOST);
+    let used = || pair.markers.iter().step_by(step);
+    let source: Vec<_> = used().map(|m| m.source.position(pair.source, &pair.source.positions)).collect();
+    let target: Vec<_> = used().map(|m| m.target.position(pair.target, &pair.target.positions)).collect();
+    if let Some(gain) = mirror_gain(&source, &target) {
+        figures.set("mirrored", u8::from(gain > 1.2));
+        figures.set("mirror_gain", gain);
+    }
+    let Some(misfits) = misfits(&source, &target) else { return };
+    let all: Vec<f64> = misfits.iter().map(|misfit| misfit.score).collect();
+    let (Some(scores), Some(worst)) = (Spread::even(all.iter().copied()), first_largest(&all)) else { return };
+    let (median, max) = (scores.percentile(0.5), scores.max());
+    let residuals = misfits.iter().map(|misfit| 100.0 * misfit.residual / diagonal);
+    let Some(residuals) = Spread::even(residuals) else { return };
+    // Scores of markers that fit to rounding are noise.
+    let floor = 1e-3 * diagonal;
+    figures.set("outlier", (max + floor) / (median + floor));
+    figures.set("residual_p50", residuals.percentile(0.5));
+    figures.set("residual_max", residuals.max());
+    figures.set("worst", step * worst);
+}
+
+/// How badly a marker fits the others.
+struct Misfit {
+    /// How far it is from where they take it.
+    residual: f64,
+    /// That, relative to how sure they are of it.
+    score: f64,
+}
+
+/// How badly each point of `target` fits the smoothest map through all others; `None` if points lie in a plane.
+///
+/// All of them come from one inverse of the full system: rₖ = (M⁻¹ b)ₖ / (M⁻¹)ₖₖ (Rippa 1999), where 1 / (M⁻¹)ₖₖ is what a map of
+/// this smoothness may differ by there, squared.
+fn misfits(source: &[Point3<f64>], target: &[Point3<f64>]) -> Option<Vec<Misfit>> {
+    let n = source.len();
+    let (_, scale) = whitened(source)?;
+    let mut m = DMatrix::zeros(n + 4, n + 4);
+    for i in 0..n {
+        for j in 0..n {
+            m[(i, j)] = -(source[i] - source[j]).norm() / scale;
+        }
+        let from_first = (source[i] - source[0]) / scale;
+        for (k, value) in [1.0, from_first.x, from_first.y, from_first.z].into_iter().enumerate() {
+            m[(i, n + k)] = value;
+            m[(n + k, i)] = value;
+        }
+    }
+    let inverse = m.try_inverse()?;
+    let misfit = |k: usize| {
+        let sum: Vector3<f64> = (0..n).map(|j| (target[j] - target[0]) * inverse[(k, j)]).sum();
+        let sureness = inverse[(k, k)].abs();
+        Misfit { residual: sum.norm() / sureness, score: sum.norm() / sureness.sqrt() }
+    };
+    Some((0..n).map(misfit).collect())
+}
+
+/// Residual of the best rotation over that of the best reflection, after both sides are freed of place, size and proportions;
+/// `None` if one lies in a plane.
+fn mirror_gain(source: &[Point3<f64>], target: &[Point3<f64>]) -> Option<f64> {
+    let ((s, _), (t, _)) = (whitened(source)?, whitened(target)?);
+    let mean = t.iter().zip(&s).map(|(t, s)| t * s.transpose()).sum::<Matrix3<f64>>() / s.len() as f64;
+    let mut values: Vec<f64> = mean.singular_values().iter().copied().collect();
+    values.sort_by(|a, b| b.total_cmp(a));
+    let (both, third) = (values[0] + values[1], values[2] * mean.determinant().signum());
+    let residual = |third: f64| (6.0 - 2.0 * (both + third)).max(0.0) + 0.01;
+    Some((residual(third) / residual(-third)).sqrt())
+}
+
+/// Points of mean 0 and covariance 1, and the spread that they had along their longest direction; `None` if they lie in a plane.
+fn whitened(points: &[Point3<f64>]) -> Option<(Vec<Vector3<f64>>, f64)> {
+    let mean = points.iter().map(|p| p.coords).sum::<Vector3<f64>>() / points.len() as f64;
+    let covariance =
+        points.iter().map(|p| p.coords - mean).map(|d| d * d.transpose()).sum::<Matrix3<f64>>() / points.len() as f64;
+    let eigen = covariance.symmetric_eigen();
+    let (low, high) = (eigen.eigenvalues.min(), eigen.eigenvalues.max());
+    if low <= FLAT * FLAT * high {
+        return None;
+    }
+    let roots = Matrix3::from_diagonal(&eigen.eigenvalues.map(|x| 1.0 / x.sqrt()));
+    let root = eigen.eigenvectors * roots * eigen.eigenvectors.transpose();
+    Some((points.iter().map(|p| root * (p.coords - mean)).collect(), high.sqrt()))
+}
+
+#[cfg(test)]
+mod tests {
+    use mimesh_core::{
+        mesh::{Mesh, Surface, SurfacePoint},
+        stage::Marker,
+        testkit::meshes,
+    };
+
+    use super::*;
+    use crate::testing::assert_figure;
+
+    /// A capsule bent and thickened, paired by `partner` of every fifth vertex with itself at rest.
+    fn measure(partner: impl Fn(u32) -> u32) -> Figures {
+        let source = meshes::capsule(12, 6, 3.0);
+        let bent = |p: &Point3<f64>| Point3::new(1.2 * p.x + 0.1 * p.y * p.y, p.y, 0.9 * p.z + 0.3 * p.x);
+        let positions = source.positions.iter().map(bent).collect();
+        let target = Surface::from_triangles(positions, source.triangles.clone()).unwrap();
+        let marker = |v: u32| Marker {
+            name: v.to_string(),
+            source: SurfacePoint::Vertex(v),
+            target: SurfacePoint::Vertex(partner(v)),
+        };
+        let markers: Vec<_> = (0..source.vertex_count() as u32).step_by(5).map(marker).collect();
+        let mesh = Mesh::from_triangles(target.positions.clone(), &target.triangles);
+        let pair = Pair { source: &source, target: &target, markers: &markers, proximity: None };
+        let subject = Subject { pair: Some(pair), ..Subject::alone(&mesh, &target) };
+        MarkerFit {}.bind(subject).unwrap().measure(Judged::alone(&target.positions)).unwrap().figures
+    }
+
+    #[test]
+    fn markers_of_a_smooth_map_fit_and_one_on_the_wrong_side_is_named() {
+        let good = measure(|v| v);
+        assert_figure(&good, "mirrored", 0.0, 0.0);
+        assert!(good.number("outlier").unwrap() < 7.0, "{good:?}");
+        let bad = measure(|v| if v == 45 { 51 } else { v });
+        assert_figure(&bad, "worst", 9.0, 0.0);
+        assert!(bad.number("outlier").unwrap() > 12.0, "{bad:?}");
+    }
+
+    #[test]
+    fn swapped_sides_are_seen_whatever_the_proportions() {
+        let source = meshes::capsule(12, 6, 3.0);
+        let mirrored = |v: u32| {
+            let p = source.positions[v as usize];
+            let distance = |u: &u32| (source.positions[*u as usize] - Point3::new(-p.x, p.y, p.z)).norm();
+            (0..source.vertex_count() as u32).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap()
+        };
+        let figures = measure(mirrored);
+        assert_figure(&figures, "mirrored", 1.0, 0.0);
+        assert!(figures.number("mirror_gain").unwrap() > 3.0, "{figures:?}");
+    }
+
+    #[test]
+    fn the_residual_is_what_leaving_the_marker_out_gives() {
+        // The formula against the map through all but one, solved for itself.
+        let source: Vec<_> =
+            (0..12).map(f64::from).map(|i| Point3::new(i.sin(), (2.3 * i).cos(), (0.7 * i).sin())).collect();
+        let target: Vec<_> = source.iter().map(|p| Point3::new(p.x + p.y * p.y, p.y, p.z - 0.3 * p.x * p.y)).collect();
+        let all = misfits(&source, &target).unwrap();
+        for left_out in [0usize, 5, 11] {
+            let rest: Vec<usize> = (0..12).filter(|&k| k != left_out).collect();
+            let kernel = |a: usize, b: usize| -(source[a] - source[b]).norm();
+            let affine = |a: usize| [1.0, source[a].x, source[a].y, source[a].z];
+            let size = rest.len() + 4;
+            let m = DMatrix::from_fn(size, size, |i, j| match (rest.get(i), rest.get(j)) {
+                (Some(&a), Some(&b)) => kernel(a, b),
+                (Some(&a), None) => affine(a)[j - rest.len()],
+                (None, Some(&b)) => affine(b)[i - rest.len()],
+                (None, None) => 0.0,
+            });
+            let b = DMatrix::from_fn(size, 3, |i, k| rest.get(i).map_or(0.0, |&a| target[a][k]));
+            let x = m.lu().solve(&b).unwrap();
+            let row = |i: usize| rest.get(i).map_or_else(|| affine(left_out)[i - rest.len()], |&a| kernel(left_out, a));
+            let at = Vector3::from_fn(|k, _| (0..size).map(|i| row(i) * x[(i, k)]).sum());
+            let expected = (target[left_out].coords - at).norm();
+            // Two solutions of systems of condition about 1e3.
+            assert!((all[left_out].residual - expected).abs() < 1e-10, "{} {expected}", all[left_out].residual);
+        }
+    }
+}

@@ -1,0 +1,60 @@
+//! What the tests of metrics share.
+
+use mimesh_core::{
+    Figures,
+    mesh::{Mesh, Surface},
+    stage::{Frame, Judged, Measured, Metric, Pair, Subject},
+};
+use nalgebra::{Point3, Vector3};
+
+/// What `metric` says of `posed` alone.
+pub fn alone(metric: &dyn Metric, rest: &Surface, posed: &[Point3<f64>]) -> Measured {
+    let mesh = Mesh::from_triangles(rest.positions.clone(), &rest.triangles);
+    let bound = metric.bind(Subject::alone(&mesh, rest)).unwrap();
+    bound.measure(Judged::alone(posed)).unwrap()
+}
+
+/// What it says against a known result.
+pub fn against(metric: &dyn Metric, rest: &Surface, posed: &[Point3<f64>], truth: &[Point3<f64>]) -> Figures {
+    let mesh = Mesh::from_triangles(rest.positions.clone(), &rest.triangles);
+    let bound = metric.bind(Subject::alone(&mesh, rest)).unwrap();
+    bound.measure(Judged::against(posed, truth)).unwrap().figures
+}
+
+/// What it says of `posed` where the source, of the same rest, moves to `source`.
+pub fn with_source(metric: &dyn Metric, rest: &Surface, posed: &[Point3<f64>], source: &[Point3<f64>]) -> Figures {
+    let mesh = Mesh::from_triangles(rest.positions.clone(), &rest.triangles);
+    let pair = Pair { source: rest, target: rest, markers: &[], proximity: None };
+    let subject = Subject { pair: Some(pair), ..Subject::alone(&mesh, rest) };
+    let judged = Judged { source: Some(source), ..Judged::alone(posed) };
+    metric.bind(subject).unwrap().measure(judged).unwrap().figures
+}
+
+/// What it says of the last of three frames, of target and source, the latest first.
+pub fn frames(
+    subject: Subject<'_>,
+    metric: &dyn Metric,
+    result: [&[Point3<f64>]; 3],
+    source: [&[Point3<f64>]; 3],
+) -> Figures {
+    let frame = |k: usize| Some(Frame { result: result[k], source: Some(source[k]) });
+    let judged = Judged { source: Some(source[0]), before: [frame(1), frame(2)], ..Judged::alone(result[0]) };
+    metric.bind(subject).unwrap().measure(judged).unwrap().figures
+}
+
+/// All vertices moved.
+pub fn moved(positions: &[Point3<f64>], by: Vector3<f64>) -> Vec<Point3<f64>> {
+    positions.iter().map(|p| p + by).collect()
+}
+
+/// All vertices scaled about the origin.
+pub fn scaled(positions: &[Point3<f64>], by: f64) -> Vec<Point3<f64>> {
+    positions.iter().map(|p| p * by).collect()
+}
+
+/// Asserts that a figure has a value within `tolerance`.
+#[track_caller]
+pub fn assert_figure(figures: &Figures, name: &str, expected: f64, tolerance: f64) {
+    let found = figures.number(name).unwrap_or_else(|| panic!("no figure `{name}` in {figures:?}"));
+    assert!((found - expected).abs() <= tolerance, "{name}: {found}, expected {expected}");
+}

@@ -1,0 +1,25 @@
+//! Every metric keeps its contract.
+
+use mimesh_core::testkit::contracts::keeps;
+use mimesh_metrics as _;
+
+#[test]
+fn every_metric_keeps_its_contract() {
+    for name in [
+        "area_change",
+        "closure",
+        "component_gaps",
+        "component_motion",
+        "contact_slide",
+        "edge_stretch",
+        "flipped_triangles",
+        "jitter",
+        "map_tears",
+        "marker_fit",
+        "point_error",
+        "self_intersections",
+        "volume",
+    ] {
+        keeps("metric", name);
+    }
+}
