@@ -101,6 +101,10 @@ fn of_target(
     let rest = mesh_called(formats, target, "rest").ok_or("no mesh called `rest`")?;
     let text = fs::read_to_string(target.join("landmarks.json")).map_err(|_| "no landmarks.json")?;
     let landmarks: Landmarks = serde_json::from_str(&text).map_err(|error| format!("landmarks.json: {error}"))?;
+    if landmarks.source.len() != landmarks.target.len() {
+        let [source, target] = [landmarks.source.len(), landmarks.target.len()];
+        return Err(format!("landmarks.json: {source} of the source, {target} of the target"));
+    }
     let pairs: Vec<[u32; 2]> = landmarks.source.into_iter().zip(landmarks.target).map(|(s, t)| [s, t]).collect();
     let mut poses: Vec<(String, PathBuf, PathBuf)> = Vec::new();
     for file in fs::read_dir(target).map_err(|error| error.to_string())?.filter_map(|entry| Some(entry.ok()?.path())) {
@@ -118,6 +122,9 @@ fn of_target(
     let quoted = |path: &Path| serde_json::to_string(&absolute(path)).unwrap_or_default();
     let files: Vec<String> = poses.iter().map(|(_, posed, _)| quoted(posed)).collect();
     let extension = first.extension().unwrap_or_default().to_string_lossy();
+    if let Some((_, _, other)) = poses.iter().find(|(_, _, truth)| truth.extension() != first.extension()) {
+        return Err(format!("known results in several formats: {} and {}", first.display(), other.display()));
+    }
     let truth = quoted(&target.join(format!("truth-{{pose}}.{extension}")));
     let meshes = format!(
         "source: {{ rest: {}, poses: [{}] }}\ntarget: {{ rest: {} }}\ntruth: {truth}\n",
@@ -126,14 +133,14 @@ fn of_target(
         quoted(&rest)
     );
     let mut cases = Vec::new();
-    for &count in markers {
-        if count > pairs.len() {
-            return Err(format!("{} landmarks, fewer than {count}", pairs.len()));
-        }
+    for &count in markers.iter().filter(|count| **count <= pairs.len()) {
         let markers = Some(pairs[..count].to_vec());
         cases.push(Case { name: format!("{name}-{count}"), meshes: meshes.clone(), components, markers });
     }
-    Ok(cases)
+    match (cases.is_empty(), markers.iter().min()) {
+        (true, Some(fewest)) => Err(format!("{} landmarks, fewer than {fewest}", pairs.len())),
+        _ => Ok(cases),
+    }
 }
 
 /// The mesh called `stem` in `folder`, in whatever format can be read.
@@ -154,8 +161,7 @@ fn absolute(path: &Path) -> String {
 impl Case {
     /// The pipeline that runs `method` and is called `name`; markers stand in it.
     pub(super) fn pipeline(&self, method: &Method, name: &str) -> String {
-        let mut text =
-            format!("# {} on {}, written by `mimesh bench-quality`.\n{}", method.name, self.name, self.meshes);
+        let mut text = format!("{}{} on {}.\n{}", super::MARK, method.name, self.name, self.meshes);
         if self.markers.is_some() {
             text += &format!("markers: {}.cons\n", self.name);
         }

@@ -7,7 +7,10 @@ mod cases;
 mod methods;
 mod table;
 
-use std::path::{Path, PathBuf};
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
 
 pub use self::{
     cases::{Case, folder, samples},
@@ -16,8 +19,9 @@ pub use self::{
 };
 use crate::{
     core::Error,
-    mistake::{Mistake, Result},
+    mistake::{Mistake, Place, Result},
     pipeline::{self, Options, Report, Watch, staging},
+    status::Status,
 };
 
 /// What came of a method on a case.
@@ -31,7 +35,12 @@ pub struct Entry {
     pub pipeline: PathBuf,
     /// What it did, or why it failed.
     pub ended: std::result::Result<Box<Report>, Vec<Mistake>>,
+    /// Poses that failed on their own, of which the figures know nothing.
+    pub failed: Vec<Mistake>,
 }
+
+/// What begins every file that is written here, so that no other is replaced.
+const MARK: &str = "# Written by `mimesh bench-quality`: ";
 
 /// Runs `method` on `case`, with pipeline and results in `folder`.
 ///
@@ -42,6 +51,11 @@ pub fn run(case: &Case, method: &Method, folder: &Path, threads: usize, watch: &
     let name = format!("{}-{}", case.name, method.name);
     let file = folder.join(format!("{name}.yaml"));
     let markers = case.marker_file().map(|(name, text)| (folder.join(name), text));
+    if file.exists() && !fs::read_to_string(&file).is_ok_and(|text| text.starts_with(MARK)) {
+        let message = "there is a file of that name that `bench-quality` has not written";
+        let mistake = Mistake::new(Status::CannotWrite, message).at(Place::File(file));
+        return Err(mistake.hint("name another folder with `--out`").into());
+    }
     let mut staged = Vec::new();
     for (path, text) in markers.into_iter().chain([(file.clone(), case.pipeline(method, &name))]) {
         staged.push(staging::stage(&path, |out| {
@@ -52,7 +66,10 @@ pub fn run(case: &Case, method: &Method, folder: &Path, threads: usize, watch: &
     // Times are to be those of the work, so nothing is taken from a cache.
     let ended = pipeline::prepare(&file, &Options::default())
         .and_then(|prepared| pipeline::run(&prepared, &[], threads, None, watch))
-        .map(|outcome| Box::new(outcome.report))
         .map_err(|failure| failure.mistakes);
-    Ok(Entry { case: case.name.clone(), method: method.name, pipeline: file, ended })
+    let (ended, failed) = match ended {
+        Ok(outcome) => (Ok(Box::new(outcome.report)), outcome.failed),
+        Err(mistakes) => (Err(mistakes), vec![]),
+    };
+    Ok(Entry { case: case.name.clone(), method: method.name, pipeline: file, ended, failed })
 }

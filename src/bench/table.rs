@@ -44,7 +44,11 @@ pub fn rows(entries: &[Entry]) -> Vec<Vec<String>> {
         }
         let mut row = vec![entry.case.clone(), entry.method.into(), report.markers.to_string()];
         row.extend(COLUMNS.map(|(_, over, figure)| figure_of(report, over, figure)));
-        row.push(report.verdict.map_or("-", |level| level.word()).into());
+        let verdict = report.verdict.map_or("-", |level| level.word());
+        row.push(match entry.failed.len() {
+            0 => verdict.into(),
+            failed => format!("{verdict}, {failed} of {} poses failed", report.poses.len()),
+        });
         row.push(seconds(report.seconds));
         rows.push(row);
     }

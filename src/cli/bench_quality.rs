@@ -12,7 +12,7 @@ use crate::{
     text::table,
 };
 
-/// Measures every transfer method where the result is known: on built-in samples, or on folders of meshes of your own.
+/// Measures the methods of transfer where the result is known: on built-in samples, or on folders of meshes of your own.
 ///
 /// Errors are in percent of the target's diagonal after aligning centroids. A folder has `source/rest.obj` and a mesh for each
 /// pose, `source/POSE.obj`, and for each target `TARGET/rest.obj`, `TARGET/truth-POSE.ply` and `TARGET/landmarks.json`
@@ -26,7 +26,7 @@ pub struct BenchQuality {
     /// Folders of meshes [default: built-in samples]
     folders: Vec<PathBuf>,
     /// Numbers of landmarks to use of each folder; samples use all of theirs
-    #[arg(long, value_name = "N,…", value_delimiter = ',', default_value = "20")]
+    #[arg(long, value_name = "N,…", value_delimiter = ',', default_value = "20", value_parser = marker_count)]
     markers: Vec<usize>,
     /// Methods to measure [default: all]
     #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
@@ -51,11 +51,29 @@ impl BenchQuality {
         let _ = ctrlc::set_handler(|| staging::discard_all_and_exit(Status::Interrupted as u8));
         let methods = self.methods()?;
         let write = self.table.as_deref().map(table_kind).transpose()?;
+        if let Some(table) = self.table.as_deref().filter(|table| table.is_dir()) {
+            let place = Place::Option(format!("--table {}", table.display()));
+            return Err(Mistake::new(Status::CannotWrite, "there is a folder of that name").at(place).into());
+        }
         let mut cases = if self.folders.is_empty() { bench::samples() } else { vec![] };
         for folder in &self.folders {
-            let (of_folder, passed) = bench::folder(folder, &self.markers)?;
+            let mut markers = self.markers.clone();
+            markers.sort_unstable();
+            markers.dedup();
+            let (of_folder, passed) = bench::folder(folder, &markers)?;
             passed.iter().for_each(|why| terminal::warn(&format!("passed over: {why}")));
-            cases.extend(of_folder);
+            for case in of_folder {
+                if cases.iter().any(|other: &bench::Case| other.name == case.name) {
+                    let message = format!("{}: there is a target of that name in another folder", case.name);
+                    return Err(Mistake::new(Status::Usage, message).hint("measure the folders one by one").into());
+                }
+                cases.push(case);
+            }
+        }
+        if !cases.iter().any(|case| methods.iter().any(|method| method.takes(case.components))) {
+            let message = "no method named takes any of the targets";
+            let hint = "gradient takes targets of one component, multi_component and combined those of several";
+            return Err(Mistake::new(Status::Usage, message).hint(hint).into());
         }
         let temporary = if self.out.is_none() { Some(tempfile::tempdir().map_err(cannot_make)?) } else { None };
         let folder = self.out.as_deref().or(temporary.as_ref().map(tempfile::TempDir::path)).unwrap_or(Path::new("."));
@@ -70,15 +88,9 @@ impl BenchQuality {
                 if let Err(mistakes) = &entry.ended {
                     mistakes.iter().for_each(terminal::tell_one);
                 }
+                entry.failed.iter().for_each(terminal::tell_one);
                 entries.push(entry);
             }
-        }
-        if let (Some(path), Some(text)) = (&self.table, write) {
-            let text = text(&entries);
-            let write = |out: &mut dyn std::io::Write| {
-                out.write_all(text.as_bytes()).map_err(|error| Error::write(path, error))
-            };
-            staging::commit(vec![staging::stage(path, write)?])?;
         }
         if self.json {
             terminal::print_json(&entries.iter().map(as_json).collect::<Vec<_>>());
@@ -88,8 +100,21 @@ impl BenchQuality {
                 terminal::print(&format!("pipelines, results and reports are in {}\n", out.display()));
             }
         }
-        let failed = entries.iter().filter(|entry| entry.ended.is_err()).count();
-        Ok(if failed == 0 { Status::Done } else { Status::Partly })
+        if let (Some(path), Some(text)) = (&self.table, write) {
+            let text = text(&entries);
+            let write = |out: &mut dyn std::io::Write| {
+                out.write_all(text.as_bytes()).map_err(|error| Error::write(path, error))
+            };
+            staging::commit(vec![staging::stage(path, write)?])?;
+        }
+        let whole = entries.iter().all(|entry| entry.ended.is_ok() && entry.failed.is_empty());
+        let none = entries.iter().all(|entry| entry.ended.is_err());
+        let mistakes = entries.iter().filter_map(|entry| entry.ended.as_ref().err()).flatten();
+        Ok(match (whole, none) {
+            (true, _) => Status::Done,
+            (false, true) => Status::of_all(mistakes.map(|mistake| mistake.status)),
+            (false, false) => Status::Partly,
+        })
     }
 
     fn methods(&self) -> crate::mistake::Result<Vec<Method>> {
@@ -97,14 +122,26 @@ impl BenchQuality {
             return Ok(METHODS.to_vec());
         }
         let known: Vec<&str> = METHODS.iter().map(|method| method.name).collect();
-        let find = |name: &String| {
+        let find = |name: &String| -> crate::mistake::Result<Method> {
             METHODS.iter().find(|method| method.name == name).copied().ok_or_else(|| {
                 let hint = did_you_mean(name, &known).unwrap_or_else(|| format!("known methods: {}", known.join(", ")));
                 Mistake::new(Status::Usage, format!("--methods: unknown method `{name}`")).hint(hint).into()
             })
         };
-        self.methods.iter().map(find).collect()
+        let mut methods: Vec<Method> = Vec::new();
+        for name in &self.methods {
+            let method = find(name)?;
+            if !methods.iter().any(|other| other.name == method.name) {
+                methods.push(method);
+            }
+        }
+        Ok(methods)
     }
+}
+
+/// A number of markers that says anything of how two meshes lie to each other.
+fn marker_count(text: &str) -> std::result::Result<usize, String> {
+    text.parse().ok().filter(|count| *count >= 3).ok_or_else(|| "expected a whole number, 3 or more".into())
 }
 
 /// How the table is written into `path`.

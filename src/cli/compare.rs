@@ -13,14 +13,14 @@ use crate::{
     core::{
         Error,
         mesh::{Mesh, Surface},
-        stage::{Judged, Metric, Sample, Subject},
+        stage::Sample,
     },
     mistake::{Mistake, Place, Result},
     page::{self, Shown},
     pipeline::{
         Formats, OneOrMany, Report,
         check::in_file,
-        judge::Judges,
+        judge::point_error,
         pictures::{self, Look},
         resolve, staging,
     },
@@ -49,6 +49,8 @@ pub struct Compare {
     json: bool,
 }
 
+/// Poses of a run that are drawn at most; of more some spread over all.
+const MOST: usize = 24;
 /// Width and height of a picture.
 const PIXELS: u32 = 280;
 
@@ -76,11 +78,9 @@ impl Compare {
         let mut runs: Vec<Shown> =
             names.into_iter().zip(reports).map(|(name, report)| Shown { name, report, pictures: vec![] }).collect();
         if let Some(out) = &self.out {
-            for run in &mut runs {
-                let (pictures, problem) = draw(&run.report);
-                if let Some(problem) = problem {
-                    terminal::warn(&format!("{}: no pictures: {problem}", run.name));
-                }
+            for (run, file) in runs.iter_mut().zip(&files) {
+                let (pictures, problems) = draw(&run.report, file);
+                problems.iter().for_each(|problem| terminal::warn(&format!("{}: {problem}", run.name)));
                 run.pictures = pictures;
             }
             let page = page::compare("Comparison of runs", &runs);
@@ -118,14 +118,22 @@ pub fn check_out(out: &Path, extensions: &[&str]) -> Result<()> {
 
 /// The reports that `pattern` stands for, at least one.
 fn found(pattern: &str) -> Result<Vec<PathBuf>> {
-    let all = resolve::expand(Path::new(""), pattern)
-        .map_err(|problem| Mistake::new(Status::Usage, format!("`{pattern}` is no glob: {problem}")))?;
+    let expand = |pattern: &str| resolve::expand(Path::new(""), pattern);
+    let mut all =
+        expand(pattern).map_err(|problem| Mistake::new(Status::Usage, format!("`{pattern}` is no glob: {problem}")))?;
+    if resolve::is_glob(pattern) {
+        // Folders match a glob too.
+        for report in ["run.json", "run-*.json"] {
+            all.extend(expand(&format!("{}/{report}", pattern.trim_end_matches('/'))).unwrap_or_default());
+        }
+    }
     let mut files: Vec<PathBuf> = Vec::new();
     for one in all {
-        files.push(if one.path.is_dir() { one.path.join("run.json") } else { one.path });
-    }
-    if files.is_empty() && Path::new(pattern).is_dir() {
-        files.push(Path::new(pattern).join("run.json"));
+        if one.path.is_dir() {
+            files.extend(in_folder(&one.path));
+        } else {
+            files.push(one.path);
+        }
     }
     match files.iter().find(|file| !file.is_file()) {
         Some(missing) => {
@@ -140,6 +148,16 @@ fn found(pattern: &str) -> Result<Vec<PathBuf>> {
         }
         None => Ok(files),
     }
+}
+
+/// The report in a folder; of several runs that wrote there, all.
+fn in_folder(folder: &Path) -> Vec<PathBuf> {
+    let one = folder.join("run.json");
+    let several = resolve::expand(folder, "run-*.json").unwrap_or_default();
+    if one.is_file() || several.is_empty() {
+        return vec![one];
+    }
+    several.into_iter().map(|found| found.path).collect()
 }
 
 fn read(file: &Path) -> Result<Report> {
@@ -162,7 +180,17 @@ fn names(files: &[PathBuf], reports: &[Report]) -> Vec<String> {
     };
     let all = || files.iter().zip(reports);
     let choices = [all().map(of_run).collect(), all().map(folder).collect(), all().map(path).collect()];
-    choices.into_iter().find(apart).flatten().unwrap_or_else(|| files.iter().map(|f| f.display().to_string()).collect())
+    let names = choices.into_iter().find(apart).flatten();
+    without_common_beginning(names.unwrap_or_else(|| files.iter().map(|f| f.display().to_string()).collect()))
+}
+
+/// Names without the words that all of them begin with, where something is left of each.
+fn without_common_beginning(names: Vec<String>) -> Vec<String> {
+    let Some(first) = names.first() else { return names };
+    let ends = |(i, c): (usize, char)| "-/,_ ".contains(c).then_some(i + c.len_utf8());
+    let common = |end: &usize| names.iter().all(|name| name.len() > *end && name.starts_with(&first[..*end]));
+    let cut = first.char_indices().filter_map(ends).filter(common).last().unwrap_or(0);
+    names.iter().map(|name| name[cut..].to_owned()).collect()
 }
 
 fn as_text(runs: &[Shown]) -> String {
@@ -194,10 +222,11 @@ fn as_json(files: &[PathBuf], runs: &[Shown]) -> Value {
     json!({ "runs": files.iter().zip(runs).map(one).collect::<Vec<_>>() })
 }
 
-/// Pictures of the poses of a run, and why there are none.
-fn draw(report: &Report) -> (Vec<page::Image>, Option<String>) {
+/// Pictures of the poses of the run whose report is `file`, and why there are none of some or all.
+fn draw(report: &Report, file: &Path) -> (Vec<page::Image>, Vec<String>) {
     let formats = Formats::new(vec![]);
-    match results(report, &formats) {
+    let written = Written::new(report, file);
+    match results(report, &written, &formats) {
         Ok(results) => {
             let look: Look = serde_json::from_value(report.settings["pictures"].clone())
                 .map(|settings: crate::pipeline::PictureSettings| settings.into())
@@ -209,26 +238,59 @@ fn draw(report: &Report) -> (Vec<page::Image>, Option<String>) {
                 let picture: Picture = pictures::plain(&surface, error.as_deref(), look, PIXELS);
                 Some(pictures::image(name, format!("result of pose {name}"), &picture))
             };
-            (results.par_iter().filter_map(image).collect(), None)
+            (results.par_iter().filter_map(image).collect(), written.changed())
         }
-        Err(problem) => (vec![], Some(problem)),
+        Err(problem) => (vec![], vec![format!("no pictures: {problem}")]),
     }
 }
 
+/// The files that a run wrote, where they are now: as they lay beside the report.
+struct Written {
+    files: Vec<(PathBuf, u64)>,
+}
+
+impl Written {
+    fn new(report: &Report, file: &Path) -> Self {
+        // The report lies beside the first result, wherever the folder has been moved.
+        let then = report.outputs.first().and_then(|first| first.path.parent()).unwrap_or(Path::new(""));
+        let now = file.parent().unwrap_or(Path::new(""));
+        let place = |path: &PathBuf| path.strip_prefix(then).map_or_else(|_| path.clone(), |inner| now.join(inner));
+        Self { files: report.outputs.iter().map(|output| (place(&output.path), output.bytes)).collect() }
+    }
+
+    /// The file called as `name`, if it is what the run wrote.
+    fn find(&self, name: &Path) -> Option<&PathBuf> {
+        let found = self.files.iter().find(|(path, _)| path.file_name() == name.file_name());
+        found.filter(|file| is_as_written(file)).map(|(path, _)| path)
+    }
+
+    /// A sentence on files that are gone, or have another size than they had.
+    fn changed(&self) -> Vec<String> {
+        let changed: Vec<_> = self.files.iter().filter(|file| !is_as_written(file)).collect();
+        let Some((first, _)) = changed.first() else { return vec![] };
+        let more = if changed.len() > 1 { format!(" and {} more", changed.len() - 1) } else { String::new() };
+        vec![format!("{}{more} is gone or not as it was written, and is not drawn", first.display())]
+    }
+}
+
+fn is_as_written((path, bytes): &(PathBuf, u64)) -> bool {
+    std::fs::metadata(path).is_ok_and(|found| found.len() == *bytes)
+}
+
 /// The results of a run, pose by pose, from the files it wrote.
-fn results(report: &Report, formats: &Formats) -> std::result::Result<Vec<(String, Mesh)>, String> {
+fn results(report: &Report, written: &Written, formats: &Formats) -> std::result::Result<Vec<(String, Mesh)>, String> {
     let patterns: OneOrMany = serde_json::from_value(report.settings["output"].clone()).unwrap_or_default();
     for pattern in &patterns.items {
         let file = |name: &str| {
             let wanted = PathBuf::from(resolve::with_pose(pattern, name));
-            report.outputs.iter().map(|output| &output.path).find(|path| path.file_name() == wanted.file_name())
+            written.find(&wanted)
         };
         if pattern.contains("{pose}") {
             let read = |name: &String| {
                 let path = file(name)?;
                 Some((name.clone(), formats.reader(path).ok()?.read(path).ok()?.rest))
             };
-            let all: Vec<_> = report.poses.iter().map(|pose| &pose.name).filter_map(read).collect();
+            let all: Vec<_> = chosen(report.poses.len()).filter_map(|i| read(&report.poses[i].name)).collect();
             if !all.is_empty() {
                 return Ok(all);
             }
@@ -238,10 +300,17 @@ fn results(report: &Report, formats: &Formats) -> std::result::Result<Vec<(Strin
             let posed = |pose: crate::core::mesh::Pose| {
                 (pose.name, Mesh { positions: pose.positions, ..sequence.rest.clone() })
             };
-            return Ok(sequence.poses.into_iter().map(posed).collect());
+            let mut poses: Vec<_> = sequence.poses.into_iter().map(Some).collect();
+            return Ok(chosen(poses.len()).filter_map(|i| poses[i].take()).map(posed).collect());
         }
     }
     Err("its results are not where they were written".into())
+}
+
+/// The poses of `all` that are drawn.
+fn chosen(all: usize) -> impl Iterator<Item = usize> {
+    let count = all.min(MOST);
+    (0..count).map(move |k| k * all / count)
 }
 
 /// The known results of a run, by name of pose.
@@ -273,9 +342,6 @@ fn truth(report: &Report, formats: &Formats) -> Option<Truth> {
 
 /// The error of each vertex of `result`, where it has the vertices of the truth.
 fn errors(rest: &Mesh, truth: &[Point3<f64>], result: &Mesh) -> Option<Vec<f64>> {
-    let metric = crate::core::plugin::instance::<dyn Metric>("point_error")?;
     let surface = Surface::new(rest).ok()?;
-    let judges = Judges::bind(&[metric], Subject::alone(rest, &surface)).ok()?;
-    let judgement = judges.measure(Judged::against(&result.positions, truth)).ok()?;
-    judgement.measured.into_iter().next().map(|(_, measured)| measured.field)
+    point_error(rest, &surface, &result.positions, truth).ok().map(|measured| measured.field)
 }

@@ -9,14 +9,13 @@ use crate::{
     core::{
         Error,
         mesh::{Mesh, Surface, SurfacePoint},
-        stage::{Judged, Metric, Subject},
     },
     markers,
     mistake::{Mistake, Place, Result},
     pipeline::{
         Formats, PictureSettings, Up, ViewFrom,
         check::{in_file, nearby},
-        judge::Judges,
+        judge::point_error,
         pictures::{self, Look},
         resolve, staging,
     },
@@ -172,13 +171,9 @@ fn read_all(formats: &Formats, patterns: &[String]) -> Result<Vec<Posed>> {
     Ok(all)
 }
 
-/// The error of each vertex against `truth`.
+/// The error of each vertex against `truth`, relative to the truth's size, as `score` does without a rest mesh.
 fn errors(mesh: &Mesh, surface: &Surface, truth: &[Point3<f64>]) -> crate::core::Result<Vec<f64>> {
-    let Some(metric) = crate::core::plugin::instance::<dyn Metric>("point_error") else { return Ok(vec![]) };
-    // Relative to the truth's size, as `score` does without a rest mesh.
-    let rest = Mesh { positions: truth.to_vec(), ..mesh.clone() };
     Error::check_shape("vertices of the known result", mesh.positions.len(), truth.len())?;
-    let judges = Judges::bind(&[metric], Subject::alone(&rest, surface))?;
-    let judgement = judges.measure(Judged::against(&mesh.positions, truth))?;
-    Ok(judgement.measured.into_iter().next().map(|(_, measured)| measured.field).unwrap_or_default())
+    let rest = Mesh { positions: truth.to_vec(), ..mesh.clone() };
+    point_error(&rest, surface, &mesh.positions, truth).map(|measured| measured.field)
 }

@@ -11,6 +11,7 @@ use crate::{
         self, Options, Outcome, Prepared, Watch,
         cache::Cache,
         compose::{Ended, Results, Row},
+        judge::Level,
         resolve, staging,
     },
     status::Status,
@@ -102,6 +103,11 @@ impl Run {
                 }
                 Ok(outcome) => {
                     outcome.failed.iter().for_each(terminal::tell_one);
+                    // A gate that breaks is what an exit status of 3 is about, so that it is told where the summary is not.
+                    if self.json || self.quiet {
+                        let broken = summary::reasons(&outcome.report, Level::Failed);
+                        broken.iter().for_each(|line| terminal::warn(line));
+                    }
                     self.warn(&outcome.report.warnings, &mut told);
                     Ended::Report(Box::new(outcome.report))
                 }
@@ -151,7 +157,7 @@ impl Run {
     }
 }
 
-/// How all runs ended together: with a broken gate if any has one; partly done if any of several gave results and not all did.
+/// How all runs ended together: with a broken gate if any has one and nothing failed; partly done if any of several gave results and not all did.
 fn status(results: &Results) -> Status {
     let failed = results.rows.iter().filter_map(|row| match &row.ended {
         Ended::Failed(mistakes) => Some(mistakes),

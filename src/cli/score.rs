@@ -1,21 +1,17 @@
 use std::path::{Path, PathBuf};
 
 use nalgebra::Point3;
-use serde_json::json;
+use serde_json::{Map, Value, json};
 
 use super::{Ended, summary::scores, terminal};
 use crate::text::count;
 use crate::{
-    core::{
-        mesh::{Mesh, MeshSequence, Surface, diagonal},
-        plugin,
-        stage::{Judged, Metric, Subject},
-    },
+    core::mesh::{Mesh, MeshSequence, Surface, diagonal},
     mistake::{Mistake, Result},
     pipeline::{
         Formats,
         check::{in_file, nearby},
-        judge::Judges,
+        judge::point_error,
         report::{PoseReport, over_poses},
         resolve::{self, Found},
     },
@@ -81,18 +77,14 @@ impl Score {
                 return Err(Mistake::new(Status::BadData, message).hint(hint).into());
             }
         }
-        let metric = plugin::instances::<dyn Metric>().into_iter().find(|(name, _)| *name == "point_error");
-        let Some((_, metric)) = metric else {
-            return Err(Mistake::new(Status::Internal, "the metric point_error is not linked into this program").into());
-        };
-        let metrics = [metric];
         let surface = Surface::new(&rest)?;
-        let judges = Judges::bind(&metrics, Subject::alone(&rest, &surface))?;
         let mut poses = Vec::new();
         for (result, truth) in results.iter().zip(&truths) {
-            let measured = |positions: &[Point3<f64>]| {
-                let measured = judges.measure(Judged::against(positions, &truth.positions));
-                Ok::<_, Mistake>(measured.map_err(|error| in_file(&result.file, error))?.figures())
+            let measured = |positions: &[Point3<f64>]| -> Result<Map<String, Value>> {
+                let measured = point_error(&rest, &surface, positions, &truth.positions);
+                let figures = measured.map_err(|error| in_file(&result.file, error))?.figures;
+                let figures = serde_json::to_value(&figures).unwrap_or_default();
+                Ok(std::iter::once(("point_error".to_owned(), figures)).collect())
             };
             let nothing = if self.rest.is_some() { measured(&rest.positions)? } else { Default::default() };
             let metrics = measured(&result.positions)?;

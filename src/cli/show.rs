@@ -3,7 +3,7 @@ use serde_json::{Map, Value, json};
 use super::{Ended, list::description, terminal};
 use crate::text::pairs;
 use crate::{
-    core::{Plugin, plugin},
+    core::{Plugin, plugin, stage::Metric},
     mistake::Mistake,
     pipeline::{
         choices, described_choices, range, settings_schema,
@@ -63,6 +63,7 @@ impl Show {
 fn page(plugin: &Plugin, schema: &Value, defaults: &Value) -> String {
     let name = (plugin.name)();
     let mut text = format!("{} {name}\n\n{}\n", plugin.stage, description(plugin).trim());
+    text += &figures(plugin);
     let needed = schema.get("required").and_then(Value::as_array).into_iter().flatten();
     let needed: Vec<&str> = needed.filter_map(Value::as_str).collect();
     let settings = schema.get("properties").and_then(Value::as_object).cloned().unwrap_or_default();
@@ -75,6 +76,29 @@ fn page(plugin: &Plugin, schema: &Value, defaults: &Value) -> String {
         text += &pairs(&settings.iter().map(row).collect::<Vec<_>>());
     }
     text + "\nIn YAML, with all defaults\n" + &example(plugin.stage, name, &needed, defaults.as_object())
+}
+
+/// What a metric measures, in the order of gates; empty for other stages.
+fn figures(plugin: &Plugin) -> String {
+    let metric = Some(plugin).filter(|plugin| plugin.stage == "metric");
+    let Some(metric) = metric.and_then(|plugin| plugin::instance::<dyn Metric>((plugin.name)())) else {
+        return String::new();
+    };
+    let name = (plugin.name)();
+    let limit = |figure: &&str| metric.limits().into_iter().find(|limit| limit.figure == *figure);
+    let row = |(i, figure): (usize, &&str)| {
+        let gate =
+            if i == 0 { format!("gate `{name}` or `{name}_{figure}`") } else { format!("gate `{name}_{figure}`") };
+        let limits = limit(figure).map(|limit| format!(", doubtful above {}, bad above {}", limit.doubtful, limit.bad));
+        ((*figure).to_owned(), gate + &limits.unwrap_or_default())
+    };
+    let when = match (metric.by_default(), metric.needs_truth()) {
+        (true, true) => "It is measured where the truth is known.",
+        (true, false) => "It is measured of every run.",
+        (false, _) => "It is measured where a pipeline names it.",
+    };
+    let rows: Vec<_> = metric.figures().iter().enumerate().map(row).collect();
+    format!("\n{when}\n\nFigures\n{}", pairs(&rows))
 }
 
 /// Kind, range and default in the first line, then the doc comment and that of every choice; without a default it must

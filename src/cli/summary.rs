@@ -124,17 +124,37 @@ fn verdicts(report: &Report) -> String {
         let _ = write!(text, "\nmetrics (`mimesh show metric NAME` tells what they are)\n{}", table(&rows));
     }
     let _ = writeln!(text, "\nverdict: {}", worst.word());
-    let judged = report.poses.iter().filter_map(|pose| Some((pose, pose.verdict.as_ref()?)));
-    let mut told: Vec<_> = judged.filter(|(_, verdict)| verdict.level > Level::Good).collect();
-    told.sort_by_key(|(_, verdict)| std::cmp::Reverse(verdict.level));
-    for (pose, verdict) in told.iter().take(MOST_ROWS) {
-        let reasons: Vec<_> = verdict.reasons.iter().take(3).map(Reason::words).collect();
-        let _ = writeln!(text, "  {}, {}: {}", pose.name, verdict.level.word(), reasons.join("; "));
-    }
+    let told = reasons(report, Level::Doubtful);
+    told.iter().take(MOST_ROWS).for_each(|line| text += &format!("  {line}\n"));
     if told.len() > MOST_ROWS {
-        let _ = writeln!(text, "  … and {} more poses", told.len() - MOST_ROWS);
+        let _ = writeln!(text, "  … and {} more", told.len() - MOST_ROWS);
     }
     text
+}
+
+/// A line for each pose that is judged `from` or worse, worst first; poses of one and the same fault share a line.
+pub fn reasons(report: &Report, from: Level) -> Vec<String> {
+    let judged = report.poses.iter().filter_map(|pose| Some((pose, pose.verdict.as_ref()?)));
+    let mut told: Vec<_> = judged.filter(|(_, verdict)| verdict.level >= from).collect();
+    told.sort_by_key(|(_, verdict)| std::cmp::Reverse(verdict.level));
+    let mut lines: Vec<(String, Vec<&str>)> = Vec::new();
+    for (pose, verdict) in told {
+        let mut reasons: Vec<_> = verdict.reasons.iter().take(3).map(Reason::words).collect();
+        if verdict.reasons.len() > reasons.len() {
+            reasons.push(format!("and {} more", verdict.reasons.len() - reasons.len()));
+        }
+        let line = format!("{}: {}", verdict.level.word(), reasons.join("; "));
+        match lines.iter_mut().find(|(other, _)| *other == line) {
+            Some((_, poses)) => poses.push(&pose.name),
+            None => lines.push((line, vec![&pose.name])),
+        }
+    }
+    let named = |(line, poses): (String, Vec<&str>)| match poses.len() {
+        count if count == report.poses.len() && count > 1 => format!("all poses, {line}"),
+        count if count > 4 => format!("{} and {} more, {line}", poses[..3].join(", "), count - 3),
+        _ => format!("{}, {line}", poses.join(", ")),
+    };
+    lines.into_iter().map(named).collect()
 }
 
 /// Scores of poses with their average, in a table of the figures of `metric`.

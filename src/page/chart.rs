@@ -12,7 +12,7 @@ use crate::{
 
 /// Size of a chart, and the room around what it plots.
 const SIZE: [f64; 2] = [480.0, 260.0];
-const LEFT: f64 = 52.0;
+const LEFT: f64 = 66.0;
 const RIGHT: f64 = 12.0;
 const ABOVE: f64 = 28.0;
 const BELOW: f64 = 40.0;
@@ -58,22 +58,28 @@ pub fn curves(report: &Report) -> Markup {
     }
 }
 
-/// The curve `within` of a pose or of an average: shares at multiples of 0.2 %.
+/// The curve `within` of a pose or of an average: shares of vertices with an error up to [`bound`].
 pub fn shares(figures: &serde_json::Value) -> Option<Vec<f64>> {
     figures.get("within")?.as_array()?.iter().map(serde_json::Value::as_f64).collect()
 }
 
 /// As points, from no error on.
 pub fn share_points(shares: &[f64]) -> Vec<[f64; 2]> {
-    let step = 10.0 / shares.len().max(1) as f64;
-    std::iter::once([0.0, 0.0]).chain((1..).zip(shares).map(|(k, share)| [f64::from(k) * step, *share])).collect()
+    let point = |(k, share): (usize, &f64)| [bound(k, shares.len()), *share];
+    std::iter::once([0.0, 0.0]).chain((1..).zip(shares).map(point)).collect()
+}
+
+/// The error of point `k` of `count`, in percent, as `point_error` says.
+fn bound(k: usize, count: usize) -> f64 {
+    10.0 * (k as f64 / count.max(1) as f64).powi(2)
 }
 
 /// Where most curves have come to their end.
 pub fn far(curves: &[Vec<f64>]) -> f64 {
-    let reached = |shares: &Vec<f64>| shares.iter().position(|s| *s > 99.5).map_or(10.0, |k| (k + 1) as f64 * 0.2);
-    let far = curves.iter().map(reached).fold(1.0, f64::max);
-    [1.0, 2.0, 5.0, 10.0].into_iter().find(|end| *end >= far).unwrap_or(10.0)
+    let reached =
+        |shares: &Vec<f64>| shares.iter().position(|s| *s > 99.5).map_or(10.0, |k| bound(k + 1, shares.len()));
+    let far = curves.iter().map(reached).fold(0.0, f64::max);
+    [0.5, 1.0, 2.0, 5.0, 10.0].into_iter().find(|end| *end >= far).unwrap_or(10.0)
 }
 
 fn within(all: &[Vec<f64>]) -> Markup {
@@ -102,10 +108,19 @@ fn over_poses(report: &Report, column: &Headline) -> Markup {
     let mut lines = vec![Line { class: "thick", named: None, points: of(&column.figure) }];
     let source = of(&format!("source_{}", column.figure));
     if source.iter().any(|[_, y]| y.is_finite()) {
-        lines.push(Line { class: "source", named: None, points: source });
+        lines[0].named = Some(("var(--accent)".into(), "result".into()));
+        lines.push(Line { class: "source", named: Some(("var(--soft)".into(), "source".into())), points: source });
+    }
+    let flat = |line: &Line| line.points.iter().all(|p| p[1] == line.points[0][1] || !p[1].is_finite());
+    // What is the same for every pose stands in the table.
+    if lines.iter().all(flat) {
+        return html! {};
     }
     let reasons = report.poses.iter().filter_map(|pose| pose.verdict.as_ref()).flat_map(|verdict| &verdict.reasons);
-    let limit = reasons.filter(|r| r.metric == column.metric && r.figure == column.figure).map(|r| r.limit).next();
+    let broken = reasons.filter(|r| r.metric == column.metric && r.figure == column.figure).map(|r| r.limit);
+    let keys = [column.metric.clone(), format!("{}_{}", column.metric, column.figure)];
+    let gate = keys.iter().find_map(|key| report.gates.get(key)?.as_f64());
+    let limit = gate.or(broken.reduce(f64::min));
     let highest = lines.iter().flat_map(|line| &line.points).map(|p| p[1].abs()).filter(|y| y.is_finite());
     let top = nice(highest.fold(limit.unwrap_or(0.0), f64::max));
     let title = format!("{}, {}", column.metric, column.figure).replace('_', " ");
@@ -154,6 +169,7 @@ pub fn chart(axes: &Axes<'_>, lines: &[Line]) -> Markup {
                 }
                 @if let Some(limit) = axes.limit.filter(|limit| *limit <= axes.upto[1]) {
                     line.limit x1=(LEFT) x2=(SIZE[0] - RIGHT) y1=(round(y(limit))) y2=(round(y(limit))) {}
+                    text x=(SIZE[0] - RIGHT) y=(round(y(limit) - 4.0)) text-anchor="end" { "limit" }
                 }
                 @for line in lines {
                     @let colour = line.named.as_ref().map(|(colour, _)| format!("stroke:{colour}"));
@@ -168,7 +184,7 @@ pub fn chart(axes: &Axes<'_>, lines: &[Line]) -> Markup {
                 }
                 @for (k, (colour, name)) in named.iter().enumerate() {
                     @let at = SIZE[1] + 8.0 + 16.0 * k as f64;
-                    line.thick style=(format!("stroke:{colour}")) x1=(LEFT) x2=(LEFT + 24.0) y1=(at) y2=(at) {}
+                    line class=(lines.iter().find(|line| line.named.as_ref().is_some_and(|n| n.1 == *name)).map_or("thick", |line| line.class)) style=(format!("stroke:{colour}")) x1=(LEFT) x2=(LEFT + 24.0) y1=(at) y2=(at) {}
                     text x=(LEFT + 30.0) y=(at + 4.0) { (name) }
                 }
             }

@@ -191,7 +191,7 @@ pub fn provenance(report: &Report) -> Markup {
                 }
             }
             details {
-                summary { (count(report.outputs.len(), "file", "files")) " written" }
+                summary { "Files written beside this page" }
                 div.scroll {
                     table.facts {
                         @for output in &report.outputs {

@@ -54,7 +54,7 @@ pub fn page(report: &Report, pictures: &Pictures) -> String {
             @if !pictures.sheet.is_empty() {
                 section {
                     h2 { "All poses" }
-                    (sheet(&pictures.sheet, report.poses.len()))
+                    (sheet(&pictures.sheet, report.poses.iter().filter(|pose| pose.error.is_none()).count()))
                 }
             }
             (chart::curves(report))
@@ -93,8 +93,9 @@ fn document(title: &str, body: Markup) -> String {
 
 fn sheet(images: &[Image], poses: usize) -> Markup {
     html! {
-        @if images.len() < poses {
-            p.note { (images.len()) " of " (poses) " poses, spread over all of them." }
+        p.note {
+            @if images.len() < poses { (images.len()) " of " (poses) " poses, spread over all of them. " }
+            "What is seen from behind is dark red."
         }
         div.sheet { @for image in images { (figure(image)) } }
     }

@@ -19,8 +19,9 @@ pub fn worst(report: &Report, images: &[Image]) -> Markup {
     let fine = report.verdict.is_none_or(|verdict| verdict == Level::Good);
     // Beside what is wrong, what is good needs no second look; where all is good, the largest errors are of interest.
     shown.retain(|(_, pose)| fine || pose.verdict.as_ref().is_some_and(|verdict| verdict.level > Level::Good));
+    let measured = shown.iter().any(|(_, pose)| pose.metrics.contains_key("point_error"));
     html! {
-        @if !shown.is_empty() {
+        @if !shown.is_empty() && (!fine || measured) {
             section {
                 h2 { @if fine { "Largest errors" } @else { "Look at these" } }
                 @for (image, pose) in shown {
@@ -60,12 +61,12 @@ pub fn table(report: &Report) -> Markup {
             div.scroll {
                 table.numbers {
                     tr {
-                        th { "pose" } th { "verdict" }
+                        th { "pose" } th.word { "verdict" }
                         @for column in &columns { th { (column.metric.replace('_', " ")) br; small { (column.figure.replace('_', " ")) } } }
                     }
                     @for pose in &report.poses {
                         tr {
-                            th { (pose.name) }
+                            th.name { (pose.name) }
                             td.word {
                                 @if let Some(error) = &pose.error {
                                     span.badge.failed { "not transferred" } " "

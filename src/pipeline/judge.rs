@@ -2,14 +2,19 @@
 
 use std::collections::BTreeMap;
 
+use nalgebra::Point3;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
+use super::report::PoseReport;
 use crate::{
     core::{
-        Result,
+        self, Error,
+        mesh::{Mesh, Surface},
+        plugin,
         stage::{BoundMetric, Judged, Limit, Measured, Metric, Subject},
     },
+    mistake::{Mistake, Result},
     text::number,
 };
 
@@ -39,6 +44,24 @@ pub struct Gate {
     pub limit: f64,
 }
 
+impl Gate {
+    /// Whether its figure was measured in any of `poses`, or is told to be missing in one.
+    pub fn is_measured(&self, poses: &[PoseReport]) -> bool {
+        let told = |reason: &Reason| reason.level == Level::Failed && reason.metric == self.metric;
+        poses.iter().any(|pose| {
+            pose.metrics.get(&self.metric).is_some_and(|figures| figures.get(&self.figure).is_some())
+                || pose.verdict.as_ref().is_some_and(|verdict| verdict.reasons.iter().any(told))
+        })
+    }
+
+    /// That its figure could not be measured.
+    fn unmeasured(&self) -> Reason {
+        let Self { metric, figure, limit, .. } = self;
+        let (metric, figure) = (metric.clone(), figure.clone());
+        Reason { level: Level::Failed, metric, figure, about: None, value: None, limit: *limit }
+    }
+}
+
 /// What a figure can be.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Deserialize, Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -51,6 +74,7 @@ pub enum Level {
     /// Something is wrong.
     Bad,
     /// A gate of the pipeline says no.
+    #[serde(rename = "broken_gate")]
     Failed,
 }
 
@@ -60,7 +84,7 @@ pub struct Verdict {
     /// The worst of its reasons.
     pub level: Level,
     /// Why it is not good, worst first.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(default)]
     pub reasons: Vec<Reason>,
 }
 
@@ -76,8 +100,8 @@ pub struct Reason {
     /// What it is about, where that is one among many, e.g. `marker 28`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub about: Option<String>,
-    /// What was found.
-    pub value: f64,
+    /// What was found; none if it could not be measured, which breaks a gate too.
+    pub value: Option<f64>,
     /// What would pass.
     pub limit: f64,
 }
@@ -98,13 +122,17 @@ impl Reason {
     /// In words: `edge stretch p99 85.1, above 60`.
     pub fn words(&self) -> String {
         let what = format!("{} {}", self.metric, self.figure).replace('_', " ");
-        let about = self.about.as_ref().map(|about| format!(" ({about})")).unwrap_or_default();
-        format!("{what} {}{about}, above {}", number(self.value), number(self.limit))
+        let Some(value) = self.value else { return format!("{what} could not be measured") };
+        let about = self.about.as_ref().map(|about| format!(" at {about}")).unwrap_or_default();
+        format!("{what} {}{about}, above {}", number(value), number(self.limit))
     }
 
     /// How many times the limit was found; at least 1, and infinite where nothing was to be.
     pub fn excess(&self) -> f64 {
-        if self.limit > 0.0 { self.value.abs() / self.limit } else { f64::INFINITY }
+        match self.value {
+            Some(value) if self.limit > 0.0 => value.abs() / self.limit,
+            _ => f64::INFINITY,
+        }
     }
 }
 
@@ -113,6 +141,8 @@ impl Reason {
 pub struct Judgement {
     /// By type of metric; those that say nothing are left out.
     pub measured: Vec<(String, Measured)>,
+    /// Metrics that failed, and why; those that want a truth where it could not be read are among them.
+    pub failed: Vec<(String, String)>,
 }
 
 impl Judgement {
@@ -144,7 +174,7 @@ impl<'a> Judges<'a> {
                 name: metric.typetag_name().to_owned(),
                 needs_truth: metric.needs_truth(),
                 limits: metric.limits(),
-                bound: metric.bind(subject)?,
+                bound: metric.bind(subject).map_err(|error| of_metric(metric.as_ref(), error))?,
             })
         };
         Ok(Self { judges: metrics.iter().map(judge).collect::<Result<_>>()?, gates: vec![] })
@@ -160,44 +190,55 @@ impl<'a> Judges<'a> {
         self.judges.iter().any(|judge| !judge.needs_truth)
     }
 
-    /// What all say of `pose`.
-    ///
-    /// # Errors
-    ///
-    /// Of the metric.
-    pub fn measure(&self, pose: Judged<'_>) -> Result<Judgement> {
+    /// What all say of `pose`; one that fails does not keep the others from speaking.
+    pub fn measure(&self, pose: Judged<'_>) -> Judgement {
         self.ask(pose, |_| true)
     }
 
     /// What those say that measure against the known result.
-    ///
-    /// # Errors
-    ///
-    /// Of the metric.
-    pub fn against_truth(&self, pose: Judged<'_>) -> Result<Judgement> {
+    pub fn against_truth(&self, pose: Judged<'_>) -> Judgement {
         self.ask(pose, |judge| judge.needs_truth)
     }
 
-    fn ask(&self, pose: Judged<'_>, who: impl Fn(&Judge<'_>) -> bool) -> Result<Judgement> {
-        let mut measured = Vec::new();
+    /// The metrics that want the known result.
+    pub fn of_truth(&self) -> impl Iterator<Item = &str> {
+        self.judges.iter().filter(|judge| judge.needs_truth).map(|judge| judge.name.as_str())
+    }
+
+    fn ask(&self, pose: Judged<'_>, who: impl Fn(&Judge<'_>) -> bool) -> Judgement {
+        let mut judgement = Judgement::default();
         for judge in self.judges.iter().filter(|judge| who(judge)) {
-            let one = judge.bound.measure(pose)?;
-            if !one.figures.values.is_empty() {
-                measured.push((judge.name.clone(), one));
+            match judge.bound.measure(pose) {
+                Ok(one) if one.figures.values.is_empty() => {}
+                Ok(one) => judgement.measured.push((judge.name.clone(), one)),
+                Err(error) => judgement.failed.push((judge.name.clone(), error.to_string())),
             }
         }
-        Ok(Judgement { measured })
+        judgement
+    }
+
+    /// How near the worst figure comes to being bad: 1 where it is.
+    pub fn strain(&self, judgement: &Judgement) -> f64 {
+        let of = |judge: &Judge<'_>, limit: &Limit| {
+            let found = judgement.number(&judge.name, limit.figure)?.abs();
+            (limit.bad > 0.0).then_some(found / limit.bad)
+        };
+        let all = self.judges.iter().flat_map(|judge| judge.limits.iter().filter_map(move |limit| of(judge, limit)));
+        all.fold(0.0, f64::max)
     }
 
     /// What is to be said of a pose; `None` if nothing was measured.
     pub fn verdict(&self, judgement: &Judgement) -> Option<Verdict> {
-        if judgement.measured.is_empty() {
+        let fails = |gate: &&Gate| judgement.failed.iter().any(|(metric, _)| *metric == gate.metric);
+        let unmeasured: Vec<&Gate> = self.gates.iter().filter(fails).collect();
+        if judgement.measured.is_empty() && unmeasured.is_empty() {
             return None;
         }
         let mut reasons = Vec::new();
         let mut above = |level, metric: &str, figure: &str, limit: f64| {
             let Some(value) = judgement.number(metric, figure).filter(|value| value.abs() > limit) else { return };
             let about = judgement.about(metric, figure);
+            let value = Some(value);
             reasons.push(Reason { level, metric: metric.into(), figure: figure.into(), about, value, limit });
         };
         let gated = |metric: &str, figure: &str| self.gates.iter().any(|g| g.metric == metric && g.figure == figure);
@@ -215,10 +256,34 @@ impl<'a> Judges<'a> {
                 }
             }
         }
+        reasons.extend(unmeasured.into_iter().map(Gate::unmeasured));
         reasons.sort_by(|a, b| b.level.cmp(&a.level).then(b.excess().total_cmp(&a.excess())));
         let level = reasons.first().map_or(Level::Good, |reason| reason.level);
         Some(Verdict { level, reasons })
     }
+}
+
+/// How far each vertex of `result` is from `truth`, both poses of `rest`.
+///
+/// # Errors
+///
+/// Of the metric `point_error`, and that it is not linked into this program.
+pub fn point_error(
+    rest: &Mesh,
+    surface: &Surface,
+    result: &[Point3<f64>],
+    truth: &[Point3<f64>],
+) -> core::Result<Measured> {
+    let Some(metric) = plugin::instance::<dyn Metric>("point_error") else {
+        let hint = "link the crate mimesh-metrics, or build with the feature `bundled`";
+        return Err(Error::data("the metric point_error is not linked into this program", hint));
+    };
+    metric.bind(Subject::alone(rest, surface))?.measure(Judged::against(result, truth))
+}
+
+/// An error of a metric that is bound, with its name.
+pub fn of_metric(metric: &dyn Metric, error: Error) -> Mistake {
+    Mistake::from(error).doing(format!("metric ({})", metric.typetag_name()))
 }
 
 /// The gates that `given` declares for `metrics`: `METRIC_FIGURE`, or `METRIC` for the figure that says most.

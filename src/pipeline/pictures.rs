@@ -107,13 +107,14 @@ impl<'a> Gallery<'a> {
         result: &[Point3<f64>],
         judgement: &Judgement,
         verdict: Option<&Verdict>,
+        strain: f64,
     ) {
         let strip = |pixels: u32| self.strip(pixels, source, result, judgement, verdict);
         if self.chosen[i] {
             let picture = strip(SMALL);
             self.taken().small.insert(i, (name.into(), picture));
         }
-        let badness = badness(judgement, verdict);
+        let badness = badness(judgement, verdict, strain);
         let place = |taken: &Taken| {
             let before =
                 |other: &(Badness, usize, String, Picture)| worse(&other.0, &badness).then(i.cmp(&other.1)).is_gt();
@@ -145,20 +146,26 @@ impl<'a> Gallery<'a> {
         let Prepared { source: from, target, .. } = self.prepared;
         let shown = field(judgement, verdict);
         let mut picture = Picture::new(pixels * if shown.is_some() { 3 } else { 2 }, pixels, WHITE);
+        let titled = |picture: &mut Picture, cell: u32, title: &str| {
+            picture.text((cell * pixels + 6) as i32, 4, title, Size::Small, INK);
+        };
         if let Some(source) = source {
             let view = self.look.at(&from.surface.positions).and(&self.look.at(source));
             let mut canvas = Canvas::new(pixels, pixels, view);
             canvas.mesh(source, &from.surface.triangles, &Paint::Plain(STEEL));
             canvas.draw_onto(&mut picture, 0, 0);
+            titled(&mut picture, 0, "source");
         }
         let Ok(posed) = target.surface.from_mesh(result) else { return picture };
         let view = self.look.at(&target.surface.positions).and(&self.look.at(&posed));
         let mut canvas = Canvas::new(pixels, pixels, view);
         canvas.mesh(&posed, &target.surface.triangles, &Paint::Plain(SAND));
         canvas.draw_onto(&mut picture, pixels as i32, 0);
+        titled(&mut picture, 1, "result");
         if let Some(measured) = shown {
             let field = Field { values: &measured.field, high: measured.field_high, unit: measured.field_unit };
             coloured(&mut picture, 2 * pixels, &target.surface, &posed, view, field);
+            titled(&mut picture, 2, measured.field_unit.split(',').next().unwrap_or_default());
         }
         picture
     }
@@ -274,7 +281,8 @@ struct Field<'f> {
 fn coloured(picture: &mut Picture, x: u32, surface: &Surface, posed: &[Point3<f64>], view: View, field: Field<'_>) {
     let size = picture.height;
     let values = on_surface(surface, field.values);
-    let scale = Scale::new(0.0, field.high);
+    let over = values.iter().any(|value| *value > field.high);
+    let scale = Scale { over, ..Scale::new(0.0, field.high) };
     let mut canvas = Canvas::new(size, size - LEGEND, view);
     canvas.mesh(posed, &surface.triangles, &Paint::Values { values: &values, scale: &scale });
     canvas.draw_onto(picture, x as i32, 0);
@@ -305,12 +313,12 @@ fn on_surface<'f>(surface: &Surface, field: &'f [f64]) -> Cow<'f, [f64]> {
     surface.first_copy.iter().map(|&v| field.get(v as usize).copied().unwrap_or(f64::NAN)).collect()
 }
 
-fn badness(judgement: &Judgement, verdict: Option<&Verdict>) -> Badness {
+/// Of poses of one level those with the largest errors are worst, or where nothing is known those nearest to being bad.
+fn badness(judgement: &Judgement, verdict: Option<&Verdict>, strain: f64) -> Badness {
     let level = verdict.map(|verdict| verdict.level).unwrap_or_default();
-    let excess = verdict.and_then(|verdict| verdict.reasons.first()).map(|reason| reason.excess());
     let errors = judgement.measured.iter().find(|(name, _)| name == "point_error");
     let error = errors.and_then(|(_, measured)| measured.figures.number("mean"));
-    (level, excess.or(error).unwrap_or(0.0))
+    (level, error.unwrap_or(strain))
 }
 
 fn worse(a: &Badness, b: &Badness) -> std::cmp::Ordering {

@@ -260,10 +260,7 @@ impl Bench<'_> {
         let Ready { positions, figures, reused, .. } = ready;
         let figures = figures.clone();
         let mut report = PoseReport { name: pose.name.clone(), reused: *reused, figures, ..PoseReport::default() };
-        if let Err(error) = self.judge(i, ready, before, &mut report) {
-            // The result is good all the same.
-            report.figures.warn(format!("not measured: {error}"));
-        }
+        self.judge(i, ready, before, &mut report);
         Ok(Done { files: self.write(i, positions)?, report })
     }
 
@@ -291,33 +288,34 @@ impl Bench<'_> {
     }
 
     /// Measures pose `i`, against the truth too if that is known.
-    fn judge(&self, i: usize, ready: &Ready, before: [Option<Frame<'_>>; 2], report: &mut PoseReport) -> Result<()> {
+    fn judge(&self, i: usize, ready: &Ready, before: [Option<Frame<'_>>; 2], report: &mut PoseReport) {
         let Prepared { truth, formats, target, .. } = self.prepared;
         let rest = &target.sequence.rest;
+        let mut unreadable = false;
         let truth = truth.positions(i, &report.name, rest, formats).unwrap_or_else(|error| {
             // What needs no truth is measured all the same.
             report.figures.warn(format!("not scored: {error}"));
+            unreadable = true;
             None
         });
         let judged =
             Judged { result: &ready.positions, truth: truth.as_deref(), source: ready.source.as_deref(), before };
-        let judgement = self.judges.measure(judged)?;
+        let mut judgement = self.judges.measure(judged);
+        for (metric, error) in &judgement.failed {
+            report.figures.warn(format!("metric {metric}: {error}"));
+        }
+        if unreadable {
+            judgement.failed.extend(self.judges.of_truth().map(|metric| (metric.to_owned(), String::new())));
+        }
         report.verdict = self.judges.verdict(&judgement);
         report.metrics = judgement.figures();
         if let Some(gallery) = self.gallery {
-            gallery.take(
-                i,
-                &report.name,
-                ready.source.as_deref(),
-                &ready.positions,
-                &judgement,
-                report.verdict.as_ref(),
-            );
+            let (source, strain) = (ready.source.as_deref(), self.judges.strain(&judgement));
+            gallery.take(i, &report.name, source, &ready.positions, &judgement, report.verdict.as_ref(), strain);
         }
         if let Some(truth) = &truth {
-            report.nothing = self.judges.against_truth(Judged::against(&rest.positions, truth))?.figures();
+            report.nothing = self.judges.against_truth(Judged::against(&rest.positions, truth)).figures();
         }
-        Ok(())
     }
 
     /// The files of one pose, written aside.

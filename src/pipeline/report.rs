@@ -8,7 +8,7 @@ use serde_json::{Map, Value};
 use super::{
     check::Side,
     compose::Variant,
-    judge::{Level, Verdict},
+    judge::{Level, Reason, Verdict},
     process::{self, Usage},
     staging::WrittenFile,
 };
@@ -221,7 +221,7 @@ impl Headline {
     }
 }
 
-/// For each metric that says anything of `poses` the figure that says most.
+/// For each metric that says anything of `poses` the figure that says most, and those that verdicts are about.
 pub fn headlines(poses: &[PoseReport]) -> Vec<Headline> {
     let mut all: Vec<Headline> = Vec::new();
     for (metric, figures) in poses.iter().flat_map(|pose| &pose.metrics) {
@@ -232,6 +232,14 @@ pub fn headlines(poses: &[PoseReport]) -> Vec<Headline> {
         let first = || figures.as_object()?.iter().find(|(_, value)| value.is_number()).map(|(name, _)| name.clone());
         if let Some(figure) = known.map(str::to_owned).or_else(first) {
             all.push(Headline { metric: metric.clone(), figure });
+        }
+    }
+    let judged = poses.iter().filter_map(|pose| pose.verdict.as_ref()).flat_map(|verdict| &verdict.reasons);
+    for Reason { metric, figure, .. } in judged {
+        let blamed = Headline { metric: metric.clone(), figure: figure.clone() };
+        if !all.contains(&blamed) {
+            let after = all.iter().rposition(|one| one.metric == blamed.metric).map_or(all.len(), |at| at + 1);
+            all.insert(after, blamed);
         }
     }
     // What is known to be wrong goes before what looks so.
@@ -254,7 +262,7 @@ pub fn over_poses(poses: &[PoseReport]) -> Map<String, Value> {
         let (scored, nothing): (Vec<&Value>, Vec<&Value>) = (of(|pose| &pose.metrics), of(|pose| &pose.nothing));
         let summary = serde_json::json!({
             "average": combine(&scored, average),
-            "worst": combine(&scored, |_, values| values.iter().copied().fold(f64::NEG_INFINITY, f64::max)),
+            "worst": combine(&scored, |_, values| largest(values)),
             "nothing": combine(&nothing, average),
         });
         result.insert(name.clone(), summary);
@@ -262,10 +270,15 @@ pub fn over_poses(poses: &[PoseReport]) -> Map<String, Value> {
     result
 }
 
+/// The value of largest size, with its sign.
+fn largest(values: &[f64]) -> f64 {
+    values.iter().copied().fold(0.0, |most: f64, value| if value.abs() > most.abs() { value } else { most })
+}
+
 /// The mean; of root mean squares the root mean square.
 fn average(figure: &str, values: &[f64]) -> f64 {
     let count = values.len() as f64;
-    if figure == "rms" {
+    if figure.ends_with("rms") {
         (values.iter().map(|value| value * value).sum::<f64>() / count).sqrt()
     } else {
         values.iter().sum::<f64>() / count
@@ -276,10 +289,13 @@ fn combine(poses: &[&Value], how: impl Fn(&str, &[f64]) -> f64) -> Value {
     let keys = poses.iter().filter_map(|figures| figures.as_object()).flat_map(|figures| figures.keys());
     let mut result = Map::new();
     for key in keys {
-        if !result.contains_key(key) {
+        // The number of a component or a marker has no average.
+        if key != "worst" && !result.contains_key(key) {
             let of_key: Vec<&Value> = poses.iter().filter_map(|figures| figures.get(key)).collect();
             let numbers: Vec<f64> = of_key.iter().filter_map(|value| value.as_f64()).collect();
-            if !numbers.is_empty() {
+            if of_key.iter().all(|value| value.is_u64() && *value == of_key[0]) {
+                result.insert(key.clone(), of_key[0].clone());
+            } else if !numbers.is_empty() {
                 result.insert(key.clone(), how(key, &numbers).into());
             } else if let Some(curve) = combine_curves(&of_key, |values| how(key, values)) {
                 result.insert(key.clone(), curve);

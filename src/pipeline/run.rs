@@ -9,7 +9,7 @@ use super::{
     cache::{Cache, Keep, OfTransfer, Recipe, Record},
     check::Prepared,
     hash::hash_file,
-    judge::{Judges, Level},
+    judge::{Gate, Judges, Level},
     pictures::Gallery,
     poses::{self, Bench, Shelf, Stream},
     process,
@@ -34,18 +34,6 @@ pub struct Outcome {
     pub report: Report,
     /// The poses that failed, each told; the others are written.
     pub failed: Vec<Mistake>,
-}
-
-impl Outcome {
-    /// The exit status.
-    pub fn status(&self) -> Status {
-        let gated = |pose: &PoseReport| pose.verdict.as_ref().is_some_and(|verdict| verdict.level == Level::Failed);
-        match self.failed.is_empty() {
-            false => Status::Partly,
-            true if self.report.poses.iter().any(gated) => Status::Gate,
-            true => Status::Done,
-        }
-    }
 }
 
 /// Runs `prepared` on `threads` threads (0: as many as the machine has); `set` is what the command line set, and `cache` keeps
@@ -187,11 +175,12 @@ impl Run<'_> {
         self.watch.stage("writing");
         let clock = Clock::start();
         let inputs = inputs(prepared)?;
-        let outputs = staging::commit(staged)?;
+        let outputs = staged.iter().map(staging::Staged::written).collect();
         self.stages.push(clock.stop("writing", "", Figures::default()));
         if let Some(cache) = self.cache {
             cache.store.clean_up();
         }
+        let silent: Vec<String> = prepared.gates.iter().filter(|gate| !gate.is_measured(&poses)).map(silent).collect();
         let of_cache = self.cache.map(Cache::warnings).unwrap_or_default();
         let mut report = Report {
             mimesh: env!("CARGO_PKG_VERSION").into(),
@@ -205,9 +194,9 @@ impl Run<'_> {
             target: MeshFigures::new(target),
             markers: prepared.markers.len(),
             run: RunOf::new(&prepared.variant),
-            verdict: worst(&poses),
+            verdict: worst(&poses).max(silent.first().map(|_| Level::Failed)),
             gates: prepared.gates.iter().map(|gate| (gate.key.clone(), gate.limit.into())).collect(),
-            warnings: prepared.warnings.iter().cloned().chain(warnings).chain(of_cache).collect(),
+            warnings: prepared.warnings.iter().cloned().chain(warnings).chain(silent).chain(of_cache).collect(),
             metrics: over_poses(&poses),
             seconds: self.stages.iter().map(|stage| stage.seconds).sum(),
             stages: self.stages,
@@ -218,9 +207,11 @@ impl Run<'_> {
         deduplicate(&mut report.warnings);
         if let Some(gallery) = gallery {
             let looks = looks(prepared, &report, gallery)?;
-            report.outputs.extend(staging::commit(looks)?);
+            report.outputs.extend(looks.iter().map(staging::Staged::written));
+            staged.extend(looks);
         }
-        write_report(&prepared.outputs.report, &report)?;
+        staged.push(stage_report(&prepared.outputs.report, &report)?);
+        staging::commit(staged)?;
         Ok(Outcome { report, failed })
     }
 
@@ -313,10 +304,9 @@ fn looks(prepared: &Prepared, report: &Report, gallery: Gallery<'_>) -> crate::c
     Ok(staged)
 }
 
-fn write_report(path: &Path, report: &Report) -> crate::core::Result<()> {
+fn stage_report(path: &Path, report: &Report) -> crate::core::Result<staging::Staged> {
     let text = serde_json::to_string_pretty(report).unwrap_or_default();
-    let staged = staging::stage(path, |out| writeln!(out, "{text}").map_err(|error| Error::write(path, error)))?;
-    staging::commit(vec![staged]).map(drop)
+    staging::stage(path, |out| writeln!(out, "{text}").map_err(|error| Error::write(path, error)))
 }
 
 /// The settings in full.
@@ -341,6 +331,14 @@ fn inputs(prepared: &Prepared) -> Result<Vec<InputFile>> {
         Err(error) => Some(Err(Failure::from(Error::read(&input.path, error)))),
     };
     prepared.inputs.par_iter().filter_map(told).collect()
+}
+
+/// That a gate has had nothing to hold.
+fn silent(gate: &Gate) -> String {
+    format!(
+        "the gate `{}` is broken: {} gave `{}` for no pose; remove the gate, or see `mimesh show metric {}` for what it needs",
+        gate.key, gate.metric, gate.figure, gate.metric
+    )
 }
 
 /// The worst that is to be said of any pose.

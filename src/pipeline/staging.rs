@@ -34,6 +34,13 @@ pub struct WrittenFile {
     pub bytes: u64,
 }
 
+impl Staged {
+    /// What it will be once it is in its place.
+    pub fn written(&self) -> WrittenFile {
+        WrittenFile { path: self.place.clone(), bytes: self.bytes }
+    }
+}
+
 /// Writes the file for `place` aside; folders are made as needed.
 ///
 /// # Errors
@@ -70,7 +77,7 @@ pub fn commit(files: Vec<Staged>) -> Result<Vec<WrittenFile>> {
             return Err(Error::write(&file.place, error));
         }
         aside.remove(&file.aside);
-        written.push(WrittenFile { path: file.place.clone(), bytes: file.bytes });
+        written.push(file.written());
     }
     Ok(written)
 }

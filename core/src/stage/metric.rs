@@ -28,6 +28,9 @@ pub trait Metric: Debug + Send + Sync {
     fn bind<'a>(&self, subject: Subject<'a>) -> Result<Box<dyn BoundMetric + 'a>>;
 
     /// Names of its figures that are numbers, the one that says most first; for checks before anything is measured.
+    ///
+    /// Over poses a figure is averaged: as a root mean square if its name ends with `rms`, not at all if it is `worst`, the number of
+    /// a component, a marker or the like.
     fn figures(&self) -> Vec<&'static str>;
 
     /// What is worth a second look, and what is bad, of its figures.

@@ -42,6 +42,9 @@ pub fn metric(name: &str, stage: &dyn Metric) {
             assert!(field == 0 || measured.field_high > 0.0, "{name}: a field without `field_high`");
             let again = one_thread(run);
             assert!(measured.figures == again.figures, "{name}: other figures on one thread");
+            let bits = |field: &[f64]| field.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
+            assert!(bits(&measured.field) == bits(&again.field), "{name}: another field on one thread");
+            assert!(measured.about == again.about, "{name}: about something else on one thread");
         }
         let alone = stage.bind(Subject::alone(rest, &surface)).unwrap_or_else(|error| panic!("{name}: {error}"));
         let judged = alone.measure(Judged::alone(&truth)).unwrap_or_else(|error| panic!("{name}: {error}"));
@@ -49,6 +52,14 @@ pub fn metric(name: &str, stage: &dyn Metric) {
         is_finite(name, &judged.figures);
 
         at_rest_nothing_is_wrong(name, stage, subject);
+        if stage.needs_truth() {
+            let same = measure(&truth, &truth, &truth).unwrap_or_else(|error| panic!("{name}: {error}"));
+            for limit in stage.limits() {
+                let found = same.figures.number(limit.figure).unwrap_or(0.0);
+                // Centroids round.
+                assert!(found.abs() <= 1e-9, "{name}: `{}` is {found} where result and truth are one", limit.figure);
+            }
+        }
         assert!(measure(&truth[1..], &truth, &truth).is_err(), "{name}: takes a result with a vertex too few");
         assert!(measure(&truth, &truth[1..], &truth).is_err(), "{name}: takes a truth with a vertex too few");
         assert!(measure(&truth, &truth, &truth[1..]).is_err(), "{name}: takes a source with a vertex too few");
@@ -97,11 +108,15 @@ fn a_rigid_motion_changes_nothing(name: &str, stage: &dyn Metric) {
     let moved = |all: &[Point3<f64>]| -> Vec<Point3<f64>> {
         all.iter().map(|p| turn * p + Vector3::new(3.0, -1.0, 2.0)).collect()
     };
-    let measure = |result: &[Point3<f64>], truth: &[Point3<f64>]| {
-        let judged = Judged { result, truth: Some(truth), source: Some(truth), before: [None; 2] };
+    let half = twisted(&surface, 0.25);
+    let measure = |result: &[Point3<f64>], truth: &[Point3<f64>], before: [&[Point3<f64>]; 2]| {
+        let before = before.map(|at| Some(Frame { result: at, source: Some(at) }));
+        let judged = Judged { result, truth: Some(truth), source: Some(truth), before };
         bound.measure(judged).unwrap_or_else(|error| panic!("{name}: {error}")).figures
     };
-    let (here, there) = (measure(&result, &truth), measure(&moved(&result), &moved(&truth)));
+    let here = measure(&result, &truth, [&half, &surface.positions]);
+    let there = measure(&moved(&result), &moved(&truth), [&moved(&half), &moved(&surface.positions)]);
+    assert!(here.values.keys().eq(there.values.keys()), "{name}: other figures after a rigid motion");
     for key in here.values.keys() {
         let (Some(a), Some(b)) = (here.number(key), there.number(key)) else { continue };
         // Moving by some sizes of the mesh costs a digit or two, which ill-shaped triangles may magnify.

@@ -58,7 +58,8 @@ impl Metric for Closure {
             let source = [("source upper", &rims.source_upper), ("source lower", &rims.source_lower)];
             gaps.push((target, Gap::new(&rims.name, source, pair.source)?));
         }
-        Ok(Box::new(Bound { subject, gaps }))
+        let names = self.pairs.iter().map(|pair| pair.name.clone()).collect();
+        Ok(Box::new(Bound { subject, gaps, names }))
     }
 
     fn figures(&self) -> Vec<&'static str> {
@@ -74,6 +75,8 @@ struct Bound<'a> {
     subject: Subject<'a>,
     /// Of target and source.
     gaps: Vec<(Gap, Gap)>,
+    /// What they are called.
+    names: Vec<String>,
 }
 
 impl BoundMetric for Bound<'_> {
@@ -94,7 +97,9 @@ impl BoundMetric for Bound<'_> {
         let (target, of_source) = &self.gaps[worst];
         figures.set("worst_gap", 100.0 * target.size(&posed) / target.width);
         figures.set("source_worst_gap", 100.0 * of_source.size(source) / of_source.width);
-        Ok(Measured { figures, ..Measured::default() })
+        // Without a source there are no gaps, so that names may be more.
+        let about = self.names.get(worst).map(|name| ("worst_gap_error", name.clone())).into_iter().collect();
+        Ok(Measured { figures, about, ..Measured::default() })
     }
 }
 

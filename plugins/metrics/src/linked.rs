@@ -88,5 +88,5 @@ fn spread_out(surface: &Surface, candidates: &[Candidate]) -> Vec<[u32; 2]> {
 
 /// Component `number` in words: its part's name, number of vertices and first vertex.
 pub fn component(surface: &Surface, number: usize) -> String {
-    format!("component {number}: {}", surface.describe_components(&surface.components(), &[number]))
+    format!("component {number} {}", surface.describe_components(&surface.components(), &[number]))
 }

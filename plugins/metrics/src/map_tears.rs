@@ -21,6 +21,7 @@ register!(Metric: MapTears);
 /// should be e = d D′ / D apart on the source, and are e′. The gap is max(0, e′ − e − h), in percent of D′, h the mean length of the
 /// source's edges, since a coarse source can do no better. Neighbours count by d. Figures:
 /// - `share`: neighbours with a gap of more than 5 %, in percent;
+/// - `orphans`: triangles without a partner, in percent;
 /// - `p99`, `max` of the gaps; `stretch_p99` of e′ / (e + h).
 ///
 /// Distances are straight, not along the surface. There are no figures without a map. They are the same for every pose. The field is
@@ -43,12 +44,13 @@ impl Metric for MapTears {
     }
 
     fn figures(&self) -> Vec<&'static str> {
-        vec!["share", "p99", "max", "stretch_p99"]
+        vec!["share", "orphans", "p99", "max", "stretch_p99"]
     }
 
     fn limits(&self) -> Vec<Limit> {
         vec![
             Limit { figure: "share", doubtful: 0.05, bad: 0.5 },
+            Limit { figure: "orphans", doubtful: 25.0, bad: 75.0 },
             Limit { figure: "stretch_p99", doubtful: 1.4, bad: 2.5 },
         ]
     }
@@ -92,6 +94,7 @@ fn tears(subject: Subject<'_>, pair: Pair<'_>, map: &TriangleMap) -> Result<Meas
     let stretch = Spread::new(neighbours.iter().map(|n| (n.source / expected(n), n.target)));
     let mut figures = Figures::default();
     figures.set("share", 100.0 * torn / total);
+    figures.set("orphans", 100.0 * map.orphan_count() as f64 / map.partners.len().max(1) as f64);
     figures.set("p99", gaps.percentile(0.99));
     figures.set("max", gaps.max());
     figures.set("stretch_p99", stretch.map_or(0.0, |stretch| stretch.percentile(0.99)));

@@ -22,7 +22,8 @@ register!(Metric: MarkerFit);
 /// r √m, m its diagonal value in the inverse of the system of all markers: a marker far from all others may miss by
 /// more than one among many (Rippa 1999). Figures:
 /// - `residual_p50`, `residual_max`: of r in percent of the target's diagonal;
-/// - `outlier`: the largest score over the median, both plus 0.1 % of the diagonal: 1 where all fit alike;
+/// - `outlier`: the largest score over the median, both plus 0.1 % of the diagonal: 1 where all fit alike. Where the residual
+///   of that marker is less than 15 % of the diagonal it counts in proportion: what stands out by little is a hump, no mistake;
 /// - `worst`: the number of the marker with the largest score in the list, from 0.
 ///
 /// **Left and right.** Both sides are freed of place, size and proportions: s̃ = Cₛ^(−1/2) (s − s̄), C the covariance. With
@@ -72,6 +73,9 @@ impl Metric for MarkerFit {
     }
 }
 
+/// From this residual on an outlier counts in full, in percent of the diagonal.
+const FULL: f64 = 15.0;
+
 struct Bound<'a> {
     subject: Subject<'a>,
     figures: Figures,
@@ -104,7 +108,9 @@ fn fit(pair: Pair<'_>, diagonal: f64, figures: &mut Figures) {
     let Some(residuals) = Spread::even(residuals) else { return };
     // Scores of markers that fit to rounding are noise.
     let floor = 1e-3 * diagonal;
-    figures.set("outlier", (max + floor) / (median + floor));
+    // The residual of the marker itself: one that stands out by little of the body is no mistake, but a hump.
+    let by = 100.0 * misfits[worst].residual / diagonal;
+    figures.set("outlier", (max + floor) / (median + floor) * (by / FULL).min(1.0));
     figures.set("residual_p50", residuals.percentile(0.5));
     figures.set("residual_max", residuals.max());
     figures.set("worst", step * worst);

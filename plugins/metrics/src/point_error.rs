@@ -19,7 +19,8 @@ register!(Metric: PointError);
 /// The result is first moved so that its centroid (mean of its vertices) lies on that of the truth:
 /// eᵢ = 100 · ‖(pᵢ − p̄) − (tᵢ − t̄)‖ / diagonal. Figures:
 /// - `mean`, `rms` = √(Σ eᵢ² / #V), `p50`, `p95`, `p99` (percentiles, interpolated linearly between vertices), `max`;
-/// - `within`: the share of vertices, in percent, whose error is at most 0.2, 0.4, … 10 %: the curve of the 2018 paper's figure 14;
+/// - `within`: the share of vertices, in percent, whose error is at most 10 (k / 50)² %, k = 1 … 50: the curve of the 2018 paper's
+///   figure 14, with most points where good results lie;
 /// - `placed`: mean of 100 · ‖pᵢ − tᵢ‖ / diagonal, i.e. without that move;
 /// - if the polygons of the rest mesh join its vertices into several components: `components`, and `comp_mean` and
 ///   `comp_max` of the distance between the component's centroids in result and truth after the move. A vertex
@@ -66,9 +67,9 @@ impl Metric for PointError {
     }
 }
 
-/// Points of the curve `within`, and the error between two of them in percent.
+/// Points of the curve `within`, and the error of its last in percent.
 const CURVE: usize = 50;
-const CURVE_STEP: f64 = 0.2;
+const CURVE_END: f64 = 10.0;
 
 struct Bound<'a> {
     subject: Subject<'a>,
@@ -117,7 +118,8 @@ impl BoundMetric for Bound<'_> {
             figures.set(name, percentile(&errors, share));
         }
         let within = |bound: f64| 100.0 * errors.partition_point(|e| *e <= bound) as f64 / number;
-        figures.set("within", (1..=CURVE).map(|k| within(k as f64 * CURVE_STEP)).collect::<Vec<f64>>());
+        let bound = |k: usize| CURVE_END * (k as f64 / CURVE as f64).powi(2);
+        figures.set("within", (1..=CURVE).map(|k| within(bound(k))).collect::<Vec<f64>>());
         figures.set("placed", percent * placed.iter().map(Vector3::norm).sum::<f64>() / number);
 
         let labels = &self.labels;

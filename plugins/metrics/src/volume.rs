@@ -10,7 +10,7 @@ use nalgebra::{Point3, Vector3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::spread::first_largest;
+use crate::{linked, spread::first_largest};
 
 register!(Metric: Volume);
 
@@ -81,13 +81,15 @@ impl BoundMetric for Bound<'_> {
         if let Some(source) = source {
             figures.set("source_change", 100.0 * (source - 1.0));
         }
+        let mut about = Vec::new();
         if let Some((worst, ratio)) = self.target.worst(&volumes) {
             figures.set("worst_component", 100.0 * (ratio - 1.0));
             figures.set("worst", worst);
+            about.push(("worst_component", linked::component(self.subject.surface, worst)));
         }
         figures.set("components", self.target.solid.iter().filter(|solid| **solid).count());
         figures.set("open", self.target.open);
-        Ok(Measured { figures, ..Measured::default() })
+        Ok(Measured { figures, about, ..Measured::default() })
     }
 }
 
@@ -148,7 +150,8 @@ impl<'a> Solids<'a> {
             volumes.iter().zip(&self.solid).filter(|(_, solid)| **solid).map(|(volume, _)| volume).sum()
         };
         let rest = sum(&self.rest);
-        let largest = self.rest.iter().copied().map(f64::abs).fold(0.0, f64::max);
+        let solids = self.rest.iter().zip(&self.solid).filter(|(_, solid)| **solid);
+        let largest = solids.map(|(volume, _)| volume.abs()).fold(0.0, f64::max);
         let ratio = sum(volumes) / rest;
         // Components that face inwards and outwards may leave nothing.
         (rest.abs() > 1e-3 * largest && ratio.is_finite()).then_some(ratio)

@@ -168,6 +168,9 @@ fn one(
     let truth = check.truth(pipeline.truth.as_deref(), target.map(Arc::as_ref), &poses);
     let metrics = check.metrics(pipeline.metrics.take(), &truth);
     let gates = check.gates(&pipeline.gates, &metrics, &truth);
+    if let (Some(source), Some(target), Some(markers)) = (source, target, &markers) {
+        check.bound_metrics(&metrics, source, target, markers);
+    }
     check.stages(&mut pipeline, source.map(Arc::as_ref), target.map(Arc::as_ref), markers.as_deref());
     let out = options
         .out

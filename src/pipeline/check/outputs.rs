@@ -103,8 +103,8 @@ impl Check<'_> {
 
     /// Whether `pattern` can name a page or a sheet.
     fn look(&mut self, pattern: &Path, at: &[Step]) -> bool {
-        let name = pattern.file_name().unwrap_or_default().to_string_lossy();
-        let placeholder = resolve::placeholders(&name).first().map(|name| format!("{{{name}}}"));
+        let text = pattern.to_string_lossy();
+        let placeholder = resolve::placeholders(&text).first().map(|name| format!("{{{name}}}"));
         if let Some(placeholder) = &placeholder {
             let message = format!("{} shows all poses, so its name cannot have `{placeholder}`", pattern.display());
             self.wrong(at, At::Value, message, format!("remove `{placeholder}`"));

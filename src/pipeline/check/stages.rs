@@ -7,7 +7,7 @@ use super::{Check, Side, Truth};
 use crate::{
     core::{
         plugin,
-        stage::{Marker, Metric, Pair},
+        stage::{Marker, Metric, Pair, Subject},
     },
     mistake::Mistake,
     pipeline::{
@@ -99,7 +99,8 @@ impl Check<'_> {
     }
 
     fn knows_no(&self, truth: &Truth) -> bool {
-        matches!(truth, Truth::None) && self.document.value.get("truth").is_none()
+        let sample = self.document.value.get("target").is_some_and(|target| target.get("sample").is_some());
+        matches!(truth, Truth::None) && self.document.value.get("truth").is_none() && !sample
     }
 
     /// The gates, of what is measured.
@@ -137,6 +138,29 @@ impl Check<'_> {
             }
         }
         gates
+    }
+
+    /// What the metrics that the pipeline names have to say of the meshes.
+    pub(super) fn bound_metrics(
+        &mut self,
+        metrics: &[Box<dyn Metric>],
+        source: &Side,
+        target: &Side,
+        markers: &[Marker],
+    ) {
+        let pair = Pair { source: &source.surface, target: &target.surface, markers, proximity: None };
+        let subject = Subject { rest: &target.sequence.rest, surface: &target.surface, pair: Some(pair), map: None };
+        let named = self.document.value.get("metrics").and_then(|list| list.as_array()).cloned().unwrap_or_default();
+        for metric in metrics {
+            let is_it = |settings: &serde_json::Value| settings["type"] == metric.typetag_name();
+            let Some(i) = named.iter().position(is_it) else { continue };
+            if let Err(error) = metric.bind(subject).map(drop)
+                && !self.has_told(&error)
+            {
+                let at = self.document.place(&path(["metrics", &i.to_string()]), At::Value);
+                self.mistakes.push(judge::of_metric(metric.as_ref(), error).at(at));
+            }
+        }
     }
 
     fn refused(&mut self, stage: &'static str, name: &str, error: crate::core::Error) {

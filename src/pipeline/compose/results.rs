@@ -7,7 +7,7 @@ use super::{Variant, names};
 use crate::{
     core::{plugin, stage::Metric},
     mistake::Mistake,
-    pipeline::{Report, judge::Level},
+    pipeline::{Report, judge::Level, report::headlines},
 };
 
 /// How the runs of a file ended, as a table: a row a run, a column for its target, for each key that the matrix varies,
@@ -90,7 +90,7 @@ impl Results {
         }
     }
 
-    /// For people: the mean of each metric that tells runs apart, keys by their short names.
+    /// For people: the main figure of `point_error` and of metrics that are not measured by themselves, keys by their short names.
     pub fn table(&self) -> Vec<Vec<String>> {
         let tells = |column: &Column| self.is_main(column) && !is_usual(&column.metric);
         let columns: Vec<Column> = self.columns().into_iter().filter(tells).collect();
@@ -190,14 +190,14 @@ impl Results {
         columns
     }
 
-    /// Whether a figure is the one that its metric is told by: the mean, else the first.
+    /// Whether a figure is the one that its metric is told by.
     fn is_main(&self, column: &Column) -> bool {
-        let columns = self.columns();
-        let mut of_metric = columns.iter().filter(|other| other.metric == column.metric);
-        match of_metric.clone().find(|other| other.figure == "mean") {
-            Some(mean) => column == mean,
-            None => of_metric.next() == Some(column),
-        }
+        let reports = self.rows.iter().filter_map(|row| match &row.ended {
+            Ended::Report(report) => Some(report),
+            Ended::Failed(_) => None,
+        });
+        let mut main = reports.flat_map(|report| headlines(&report.poses));
+        main.any(|main| main.metric == column.metric && main.figure == column.figure)
     }
 
     fn rows_of(
