@@ -189,7 +189,7 @@ fn without_common_beginning(names: Vec<String>) -> Vec<String> {
     let Some(first) = names.first() else { return names };
     let ends = |(i, c): (usize, char)| "-/,_ ".contains(c).then_some(i + c.len_utf8());
     let common = |end: &usize| names.iter().all(|name| name.len() > *end && name.starts_with(&first[..*end]));
-    let cut = first.char_indices().filter_map(ends).filter(common).last().unwrap_or(0);
+    let cut = first.char_indices().filter_map(ends).rfind(common).unwrap_or(0);
     names.iter().map(|name| name[cut..].to_owned()).collect()
 }
 

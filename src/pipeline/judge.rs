@@ -169,15 +169,15 @@ impl<'a> Judges<'a> {
     ///
     /// Of the metric.
     pub fn bind(metrics: &[Box<dyn Metric>], subject: Subject<'a>) -> Result<Self> {
-        let judge = |metric: &Box<dyn Metric>| {
+        let judge = |metric: &dyn Metric| {
             Ok(Judge {
                 name: metric.typetag_name().to_owned(),
                 needs_truth: metric.needs_truth(),
                 limits: metric.limits(),
-                bound: metric.bind(subject).map_err(|error| of_metric(metric.as_ref(), error))?,
+                bound: metric.bind(subject).map_err(|error| of_metric(metric, error))?,
             })
         };
-        Ok(Self { judges: metrics.iter().map(judge).collect::<Result<_>>()?, gates: vec![] })
+        Ok(Self { judges: metrics.iter().map(|metric| judge(metric.as_ref())).collect::<Result<_>>()?, gates: vec![] })
     }
 
     /// The same with gates.

@@ -46,6 +46,23 @@ pub struct Gallery<'a> {
     taken: Mutex<Taken>,
 }
 
+/// What there is to see of a pose.
+#[derive(Clone, Copy, Debug)]
+pub struct Shot<'a> {
+    /// Its name.
+    pub name: &'a str,
+    /// The source, for its surface.
+    pub source: Option<&'a [Point3<f64>]>,
+    /// The result, for the target's mesh.
+    pub result: &'a [Point3<f64>],
+    /// What metrics say.
+    pub judgement: &'a Judgement,
+    /// What is to be said of it.
+    pub verdict: Option<&'a Verdict>,
+    /// How near its worst figure comes to being bad.
+    pub strain: f64,
+}
+
 #[derive(Default)]
 struct Taken {
     /// Small pictures by number of pose.
@@ -98,23 +115,15 @@ impl<'a> Gallery<'a> {
         Self { prepared, look: prepared.pipeline.pictures.into(), chosen, taken: Mutex::default() }
     }
 
-    /// Takes pose `i`: the source (for its surface) and the result (for the target's mesh).
-    pub fn take(
-        &self,
-        i: usize,
-        name: &str,
-        source: Option<&[Point3<f64>]>,
-        result: &[Point3<f64>],
-        judgement: &Judgement,
-        verdict: Option<&Verdict>,
-        strain: f64,
-    ) {
-        let strip = |pixels: u32| self.strip(pixels, source, result, judgement, verdict);
+    /// Takes pose `i`.
+    pub fn take(&self, i: usize, shot: &Shot<'_>) {
+        let name = shot.name;
+        let strip = |pixels: u32| self.strip(pixels, shot);
         if self.chosen[i] {
             let picture = strip(SMALL);
             self.taken().small.insert(i, (name.into(), picture));
         }
-        let badness = badness(judgement, verdict, strain);
+        let badness = badness(shot);
         let place = |taken: &Taken| {
             let before =
                 |other: &(Badness, usize, String, Picture)| worse(&other.0, &badness).then(i.cmp(&other.1)).is_gt();
@@ -135,14 +144,8 @@ impl<'a> Gallery<'a> {
     }
 
     /// Source, result and what is wrong with it, side by side.
-    fn strip(
-        &self,
-        pixels: u32,
-        source: Option<&[Point3<f64>]>,
-        result: &[Point3<f64>],
-        judgement: &Judgement,
-        verdict: Option<&Verdict>,
-    ) -> Picture {
+    fn strip(&self, pixels: u32, shot: &Shot<'_>) -> Picture {
+        let Shot { source, result, judgement, verdict, .. } = *shot;
         let Prepared { source: from, target, .. } = self.prepared;
         let shown = field(judgement, verdict);
         let mut picture = Picture::new(pixels * if shown.is_some() { 3 } else { 2 }, pixels, WHITE);
@@ -314,11 +317,11 @@ fn on_surface<'f>(surface: &Surface, field: &'f [f64]) -> Cow<'f, [f64]> {
 }
 
 /// Of poses of one level those with the largest errors are worst, or where nothing is known those nearest to being bad.
-fn badness(judgement: &Judgement, verdict: Option<&Verdict>, strain: f64) -> Badness {
-    let level = verdict.map(|verdict| verdict.level).unwrap_or_default();
-    let errors = judgement.measured.iter().find(|(name, _)| name == "point_error");
+fn badness(shot: &Shot<'_>) -> Badness {
+    let level = shot.verdict.map(|verdict| verdict.level).unwrap_or_default();
+    let errors = shot.judgement.measured.iter().find(|(name, _)| name == "point_error");
     let error = errors.and_then(|(_, measured)| measured.figures.number("mean"));
-    (level, error.unwrap_or(strain))
+    (level, error.unwrap_or(shot.strain))
 }
 
 fn worse(a: &Badness, b: &Badness) -> std::cmp::Ordering {

@@ -11,7 +11,7 @@ use super::{
     cache::{Cache, Key, Moved, Recipes},
     check::{Output, PoseFrom, PoseInput, Prepared, Side},
     judge::Judges,
-    pictures::Gallery,
+    pictures::{Gallery, Shot},
     report::PoseReport,
     run::of_pose,
     staging::{self, Staged},
@@ -310,8 +310,15 @@ impl Bench<'_> {
         report.verdict = self.judges.verdict(&judgement);
         report.metrics = judgement.figures();
         if let Some(gallery) = self.gallery {
-            let (source, strain) = (ready.source.as_deref(), self.judges.strain(&judgement));
-            gallery.take(i, &report.name, source, &ready.positions, &judgement, report.verdict.as_ref(), strain);
+            let shot = Shot {
+                name: &report.name,
+                source: ready.source.as_deref(),
+                result: &ready.positions,
+                judgement: &judgement,
+                verdict: report.verdict.as_ref(),
+                strain: self.judges.strain(&judgement),
+            };
+            gallery.take(i, &shot);
         }
         if let Some(truth) = &truth {
             report.nothing = self.judges.against_truth(Judged::against(&rest.positions, truth)).figures();
