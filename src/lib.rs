@@ -6,7 +6,7 @@
 //! - [`markers`]: files of corresponding points;
 //! - [`page`]: what a run or several look like in a browser;
 //! - [`mistake`] and [`status`]: how something wrong is told, and with which exit status;
-//! - [`bench`]: every method where the result is known;
+//! - [`mod@bench`]: every method where the result is known;
 //! - [`cli`]: the command line, one file a subcommand.
 //!
 //! A program with its own stages links them and hands over:
