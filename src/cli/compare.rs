@@ -30,7 +30,7 @@ use crate::{
 
 /// Shows runs beside each other: figures, curves and pictures.
 ///
-/// The best of each line is marked with `*`. Runs are told by their reports; results that are still where they were written
+/// The best of each line is marked with `*` if all have the same target. Runs are told by their reports; results that are still where they were written
 /// are drawn, with errors in colour where the truth is known.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
@@ -199,7 +199,7 @@ fn as_text(runs: &[Shown]) -> String {
     rows.push(std::iter::once("verdict".to_owned()).chain(runs.iter().map(verdict)).collect());
     for column in page::columns(runs) {
         let values: Vec<_> = runs.iter().map(|run| page::average(&run.report, &column)).collect();
-        let best = page::best(&values);
+        let best = page::best(runs, &values);
         let cell = |(i, value): (usize, &Option<f64>)| match value {
             Some(value) => format!("{}{}", if best == Some(i) { "*" } else { "" }, number(*value)),
             None => "-".into(),
@@ -229,7 +229,7 @@ fn draw(report: &Report, file: &Path) -> (Vec<page::Image>, Vec<String>) {
     match results(report, &written, &formats) {
         Ok(results) => {
             let look: Look = serde_json::from_value(report.settings["pictures"].clone())
-                .map(|settings: crate::pipeline::PictureSettings| settings.into())
+                .map(Look::of_target)
                 .unwrap_or_else(|_| crate::pipeline::PictureSettings::default().into());
             let truth = truth(report, &formats);
             let image = |(name, mesh): &(String, Mesh)| {

@@ -1,6 +1,6 @@
 use serde_json::{Value, json};
 
-use super::{Ended, terminal};
+use super::{Ended, show::known_stage, terminal};
 use crate::text::pairs;
 use crate::{
     core::{Plugin, plugin},
@@ -11,6 +11,8 @@ use crate::{
 /// Lists the stages of a pipeline and their implementations.
 #[derive(Debug, clap::Args)]
 pub struct List {
+    /// List the implementations of this stage only, e.g. metric
+    stage: Option<String>,
     /// Print the list as JSON
     #[arg(long)]
     json: bool,
@@ -19,7 +21,11 @@ pub struct List {
 impl List {
     /// Runs the command.
     pub fn run(&self) -> Ended {
-        let plugins = plugin::all();
+        let mut plugins = plugin::all();
+        if let Some(stage) = &self.stage {
+            known_stage(stage)?;
+            plugins.retain(|plugin| plugin.stage == stage);
+        }
         if self.json {
             let item = |plugin: &&Plugin| {
                 let description = first_line(&description(plugin));

@@ -46,7 +46,7 @@ pub struct Render {
     #[arg(long, value_name = "FILE", conflicts_with = "truth")]
     markers: Option<PathBuf>,
     /// Which side of the pairs the meshes are
-    #[arg(long, value_enum, default_value = "source")]
+    #[arg(long, value_enum, default_value = "source", requires = "markers")]
     side: Side,
     /// The side that is seen
     #[arg(long, value_enum, default_value = "three_quarter")]
@@ -110,7 +110,7 @@ impl Render {
             );
             return Err(Mistake::new(Status::Usage, message).hint("draw fewer, or smaller with `--size`").into());
         }
-        let look: Look = PictureSettings { view: self.view, up: self.up }.into();
+        let look: Look = PictureSettings { view: self.view, up: self.up, target_up: None }.into();
         let draw = |(i, one): (usize, &Posed)| -> Result<Cell> {
             let surface = Surface::new(&one.mesh).map_err(|error| in_file(&one.file, error))?;
             let picture: Picture = match (&self.markers, truths.get(i)) {

@@ -44,20 +44,26 @@ impl Show {
     }
 
     fn find(&self) -> crate::mistake::Result<&'static Plugin> {
+        known_stage(&self.stage)?;
         let all = plugin::all();
-        let mut stages: Vec<_> = all.iter().map(|plugin| plugin.stage).collect();
-        stages.dedup();
-        if !stages.contains(&self.stage.as_str()) {
-            let known = || format!("stages: {}", stages.join(", "));
-            let hint = did_you_mean(&self.stage, &stages).unwrap_or_else(known);
-            return Err(Mistake::new(Status::Usage, format!("unknown stage `{}`", self.stage)).hint(hint).into());
-        }
         let found = all.into_iter().find(|plugin| plugin.stage == self.stage && (plugin.name)() == self.name);
         found.ok_or_else(|| {
             let told = unknown_type(&self.stage, &self.name);
             Mistake::new(Status::Usage, told.message).hint(told.hint).into()
         })
     }
+}
+
+/// That there is a stage called `stage`.
+pub fn known_stage(stage: &str) -> crate::mistake::Result<()> {
+    let mut stages: Vec<_> = plugin::all().iter().map(|plugin| plugin.stage).collect();
+    stages.dedup();
+    if stages.contains(&stage) {
+        return Ok(());
+    }
+    let known = || format!("stages: {}", stages.join(", "));
+    let hint = did_you_mean(stage, &stages).unwrap_or_else(known);
+    Err(Mistake::new(Status::Usage, format!("unknown stage `{stage}`")).hint(hint).into())
 }
 
 fn page(plugin: &Plugin, schema: &Value, defaults: &Value) -> String {

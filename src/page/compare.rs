@@ -63,8 +63,13 @@ pub fn average(report: &Report, column: &Headline) -> Option<f64> {
     report.metrics.get(&column.metric)?["average"][&column.figure].as_f64()
 }
 
-/// The place of the smallest value, if there are several.
-pub fn best(values: &[Option<f64>]) -> Option<usize> {
+/// The place of the smallest value, if there are several of one target: what different targets reach is no contest.
+pub fn best(runs: &[Shown], values: &[Option<f64>]) -> Option<usize> {
+    let target =
+        |run: &Shown| (run.report.target.vertices, run.report.target.diagonal.to_bits(), run.report.poses.len());
+    if runs.iter().any(|run| target(run) != target(&runs[0])) {
+        return None;
+    }
     let known = values.iter().enumerate().filter_map(|(i, value)| Some((i, value.as_ref()?.abs())));
     let best = known.clone().min_by(|a, b| a.1.total_cmp(&b.1))?;
     (known.clone().count() > 1 && known.clone().any(|(_, value)| value > best.1)).then_some(best.0)
@@ -83,7 +88,7 @@ fn averages(runs: &[Shown]) -> Markup {
                     }
                     @for column in columns(runs) {
                         @let values: Vec<_> = runs.iter().map(|run| average(&run.report, &column)).collect();
-                        (row(&format!("{} {}", column.metric, column.figure).replace('_', " "), &values))
+                        (row(runs, &format!("{} {}", column.metric, column.figure).replace('_', " "), &values))
                     }
                     tr { th { "markers" } @for run in runs { td { (run.report.markers) } } }
                     tr { th { "time" } @for run in runs { td { (seconds(run.report.seconds)) } } }
@@ -94,8 +99,8 @@ fn averages(runs: &[Shown]) -> Markup {
 }
 
 /// Values with the best of them in bold.
-fn row(name: &str, values: &[Option<f64>]) -> Markup {
-    let best = best(values);
+fn row(runs: &[Shown], name: &str, values: &[Option<f64>]) -> Markup {
+    let best = best(runs, values);
     html! {
         tr {
             th { (name) }
@@ -163,7 +168,7 @@ fn poses(runs: &[Shown]) -> Markup {
                 table.numbers {
                     tr { th { "pose" } @for run in runs { th { (run.name) } } }
                     @for name in names(runs) {
-                        (row(name, &runs.iter().map(|run| value(run, name)).collect::<Vec<_>>()))
+                        (row(runs, name, &runs.iter().map(|run| value(run, name)).collect::<Vec<_>>()))
                     }
                 }
             }

@@ -70,6 +70,7 @@ pub fn table(report: &Report) -> Markup {
                             td.word {
                                 @if let Some(error) = &pose.error {
                                     span.badge.failed { "not transferred" } " "
+                                    @if let Some(file) = error["file"].as_str() { code { (file) } ": " }
                                     (error["message"].as_str().unwrap_or_default())
                                 } @else if let Some(verdict) = &pose.verdict {
                                     (badge(verdict.level))

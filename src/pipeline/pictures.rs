@@ -40,7 +40,8 @@ const REST: u32 = 480;
 /// Takes pictures while poses stream by.
 pub struct Gallery<'a> {
     prepared: &'a Prepared,
-    look: Look,
+    /// Of source and target.
+    looks: [Look; 2],
     /// Poses that get a small picture.
     chosen: Vec<bool>,
     taken: Mutex<Taken>,
@@ -84,6 +85,7 @@ pub struct Look {
 }
 
 impl From<PictureSettings> for Look {
+    /// That of the source.
     fn from(settings: PictureSettings) -> Self {
         let direction = match settings.view {
             ViewFrom::ThreeQuarter => Direction::ThreeQuarter,
@@ -101,6 +103,11 @@ impl From<PictureSettings> for Look {
 }
 
 impl Look {
+    /// That of the target.
+    pub fn of_target(settings: PictureSettings) -> Self {
+        PictureSettings { up: settings.target_up.unwrap_or(settings.up), ..settings }.into()
+    }
+
     /// The view of everything in `positions`.
     pub fn at(&self, positions: &[Point3<f64>]) -> View {
         View::fit(positions.iter().copied(), self.direction, self.up)
@@ -112,7 +119,8 @@ impl<'a> Gallery<'a> {
     pub fn new(prepared: &'a Prepared) -> Self {
         let mut chosen = vec![false; prepared.poses.len()];
         spread(prepared.poses.len(), MOST).into_iter().for_each(|i| chosen[i] = true);
-        Self { prepared, look: prepared.pipeline.pictures.into(), chosen, taken: Mutex::default() }
+        let settings = prepared.pipeline.pictures;
+        Self { prepared, looks: [settings.into(), Look::of_target(settings)], chosen, taken: Mutex::default() }
     }
 
     /// Takes pose `i`.
@@ -153,14 +161,14 @@ impl<'a> Gallery<'a> {
             picture.text((cell * pixels + 6) as i32, 4, title, Size::Small, INK);
         };
         if let Some(source) = source {
-            let view = self.look.at(&from.surface.positions).and(&self.look.at(source));
+            let view = self.looks[0].at(&from.surface.positions).and(&self.looks[0].at(source));
             let mut canvas = Canvas::new(pixels, pixels, view);
             canvas.mesh(source, &from.surface.triangles, &Paint::Plain(STEEL));
             canvas.draw_onto(&mut picture, 0, 0);
             titled(&mut picture, 0, "source");
         }
         let Ok(posed) = target.surface.from_mesh(result) else { return picture };
-        let view = self.look.at(&target.surface.positions).and(&self.look.at(&posed));
+        let view = self.looks[1].at(&target.surface.positions).and(&self.looks[1].at(&posed));
         let mut canvas = Canvas::new(pixels, pixels, view);
         canvas.mesh(&posed, &target.surface.triangles, &Paint::Plain(SAND));
         canvas.draw_onto(&mut picture, pixels as i32, 0);
@@ -191,7 +199,7 @@ impl<'a> Gallery<'a> {
         let alt = |name: &str| format!("source, result and errors of pose {name}");
         let taken = self.taken.into_inner().unwrap_or_else(PoisonError::into_inner);
         Pictures {
-            rest: rests(self.prepared, self.look),
+            rest: rests(self.prepared, self.looks),
             worst: taken.large.iter().map(|(_, _, name, picture)| image(name, alt(name), picture)).collect(),
             sheet: taken.small.values().map(|(name, picture)| image(name, alt(name), picture)).collect(),
         }
@@ -207,8 +215,8 @@ pub fn image(name: &str, alt: String, picture: &Picture) -> Image {
 }
 
 /// Both meshes at rest with numbered markers, from the side asked for and from behind.
-fn rests(prepared: &Prepared, look: Look) -> Vec<Image> {
-    let behind = match look.direction {
+fn rests(prepared: &Prepared, looks: [Look; 2]) -> Vec<Image> {
+    let behind = match looks[0].direction {
         Direction::ThreeQuarter => Direction::Angles { yaw: 220.0, pitch: 18.0 },
         Direction::Front => Direction::Angles { yaw: 180.0, pitch: 0.0 },
         Direction::Side => Direction::Angles { yaw: 270.0, pitch: 0.0 },
@@ -216,9 +224,10 @@ fn rests(prepared: &Prepared, look: Look) -> Vec<Image> {
     };
     let source: Vec<SurfacePoint> = prepared.markers.iter().map(|marker| marker.source).collect();
     let target: Vec<SurfacePoint> = prepared.markers.iter().map(|marker| marker.target).collect();
-    let sides = [("source", &prepared.source, source, STEEL), ("target", &prepared.target, target, SAND)];
+    let sides =
+        [("source", &prepared.source, source, STEEL, looks[0]), ("target", &prepared.target, target, SAND, looks[1])];
     let mut images = Vec::new();
-    for (name, side, points, colour) in sides {
+    for (name, side, points, colour, look) in sides {
         for (look, suffix) in [(look, ""), (Look { direction: behind, ..look }, ", from behind")] {
             let picture = with_points(&side.surface, &points, look, REST, colour);
             let alt = format!("the {name} at rest{suffix}, with {} numbered markers", points.len());

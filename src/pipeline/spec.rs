@@ -112,6 +112,9 @@ pub struct PictureSettings {
     pub view: ViewFrom,
     /// The axis that points up.
     pub up: Up,
+    /// The axis that points up in the target, where it is another than in the source.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub target_up: Option<Up>,
 }
 
 /// A side to look from; the front is that towards which z points, or with z up, that away from y.
