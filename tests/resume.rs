@@ -270,3 +270,38 @@ fn frames_of_one_motion_are_kept_together() {
     assert_eq!(reused(&report), (stages(&[("proximity", true), ("correspondence", true), ("transfer", false)]), 0));
     assert_eq!(results(&project, "out"), expected);
 }
+
+#[test]
+fn what_metrics_said_is_kept_until_a_pose_the_truth_or_a_metric_changes() {
+    let project = Project::new();
+    for (pose, by) in [(1, 0.1), (2, 0.2), (10, 1.0)] {
+        project.write(&format!("truth-{pose}.obj"), &common::leaning(by));
+    }
+    project.edit("output:", "truth: truth-{pose}.obj\noutput:");
+    let kept = |project: &Project| entries(project.cache()).len();
+    let judged = |report: &Value| -> Vec<Value> {
+        let of = |pose: &Value| serde_json::json!([pose["metrics"], pose["nothing"], pose["verdict"], pose["figures"]]);
+        report["poses"].as_array().expect("poses").iter().map(of).collect()
+    };
+    let first = run(&project, &[]);
+    assert!(first["poses"][1]["metrics"]["point_error"]["mean"].as_f64() > Some(0.0));
+    let entries_of_first = kept(&project);
+    let second = run(&project, &[]);
+    assert_eq!(judged(&first), judged(&second), "what is kept comes back to the last bit");
+    assert_eq!((&first["metrics"], kept(&project)), (&second["metrics"], entries_of_first), "nothing was measured");
+
+    // Limits are no part of what is measured.
+    let said = project.mimesh(&["run", "p.yaml", "--json", "--set", "gates.point_error=0.001"]);
+    assert_eq!(said.status, 3, "{}", said.err);
+    assert_eq!(kept(&project), entries_of_first);
+
+    project.write("truth-2.obj", &common::leaning(0.7));
+    let third = run(&project, &[]);
+    assert_eq!((&judged(&third)[0], &judged(&third)[2]), (&judged(&first)[0], &judged(&first)[2]));
+    assert_ne!(judged(&third)[1], judged(&first)[1], "another truth");
+    let entries_of_third = kept(&project);
+    run(&project, &["--set", "metrics=[{ type: self_intersections }]"]);
+    assert_eq!(kept(&project), entries_of_third + 3, "another metric");
+    let page = run(&project, &["--set", "output=[\"out/{pose}.obj\", out/r.html]"]);
+    assert_eq!(judged(&page), judged(&third), "pictures change no figure");
+}

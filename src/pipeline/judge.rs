@@ -28,7 +28,8 @@ struct Judge<'a> {
     name: String,
     needs_truth: bool,
     limits: Vec<Limit>,
-    bound: Box<dyn BoundMetric + 'a>,
+    /// `None` if what it says is known already.
+    bound: Option<Box<dyn BoundMetric + 'a>>,
 }
 
 /// A limit that a pipeline sets: a pose whose figure is larger, whatever its sign, fails.
@@ -145,6 +146,19 @@ pub struct Judgement {
     pub failed: Vec<(String, String)>,
 }
 
+/// What is left of a judgement when pictures are taken: all that a report says of a pose, and all that verdicts are made of.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
+pub struct Said {
+    /// The figures by type of metric.
+    pub figures: Map<String, Value>,
+    /// What single figures are about: metric, figure, words.
+    pub about: Vec<(String, String, String)>,
+    /// Metrics that failed, and why.
+    pub failed: Vec<(String, String)>,
+    /// The figures against the truth for the target at rest in place of the result.
+    pub nothing: Map<String, Value>,
+}
+
 impl Judgement {
     /// The figures by type of metric.
     pub fn figures(&self) -> Map<String, Value> {
@@ -152,13 +166,24 @@ impl Judgement {
         self.measured.iter().map(|(name, measured)| (name.clone(), value(measured))).collect()
     }
 
+    /// Without what is for pictures only.
+    pub fn said(&self) -> Said {
+        let of = |(metric, measured): &(String, Measured)| {
+            let about = measured.about.iter();
+            about.map(|(figure, words)| (metric.clone(), (*figure).to_owned(), words.clone())).collect::<Vec<_>>()
+        };
+        let about = self.measured.iter().flat_map(of).collect();
+        Said { figures: self.figures(), about, failed: self.failed.clone(), nothing: Map::new() }
+    }
+}
+
+impl Said {
     fn about(&self, metric: &str, figure: &str) -> Option<String> {
-        let (_, measured) = self.measured.iter().find(|(name, _)| name == metric)?;
-        measured.about.iter().find(|(name, _)| *name == figure).map(|(_, about)| about.clone())
+        self.about.iter().find(|(of, name, _)| of == metric && name == figure).map(|(_, _, words)| words.clone())
     }
 
     fn number(&self, metric: &str, figure: &str) -> Option<f64> {
-        self.measured.iter().find(|(name, _)| name == metric).and_then(|(_, measured)| measured.figures.number(figure))
+        self.figures.get(metric)?.get(figure)?.as_f64()
     }
 }
 
@@ -169,15 +194,22 @@ impl<'a> Judges<'a> {
     ///
     /// Of the metric.
     pub fn bind(metrics: &[Box<dyn Metric>], subject: Subject<'a>) -> Result<Self> {
-        let judge = |metric: &dyn Metric| {
-            Ok(Judge {
-                name: metric.typetag_name().to_owned(),
-                needs_truth: metric.needs_truth(),
-                limits: metric.limits(),
-                bound: metric.bind(subject).map_err(|error| of_metric(metric, error))?,
-            })
+        let mut judges = Self::of_limits(metrics);
+        for (judge, metric) in judges.judges.iter_mut().zip(metrics) {
+            judge.bound = Some(metric.bind(subject).map_err(|error| of_metric(metric.as_ref(), error))?);
+        }
+        Ok(judges)
+    }
+
+    /// Those that only give verdicts on what has been measured before.
+    pub fn of_limits(metrics: &[Box<dyn Metric>]) -> Self {
+        let judge = |metric: &dyn Metric| Judge {
+            name: metric.typetag_name().to_owned(),
+            needs_truth: metric.needs_truth(),
+            limits: metric.limits(),
+            bound: None,
         };
-        Ok(Self { judges: metrics.iter().map(|metric| judge(metric.as_ref())).collect::<Result<_>>()?, gates: vec![] })
+        Self { judges: metrics.iter().map(|metric| judge(metric.as_ref())).collect(), gates: vec![] }
     }
 
     /// The same with gates.
@@ -208,7 +240,8 @@ impl<'a> Judges<'a> {
     fn ask(&self, pose: Judged<'_>, who: impl Fn(&Judge<'_>) -> bool) -> Judgement {
         let mut judgement = Judgement::default();
         for judge in self.judges.iter().filter(|judge| who(judge)) {
-            match judge.bound.measure(pose) {
+            let Some(bound) = &judge.bound else { continue };
+            match bound.measure(pose) {
                 Ok(one) if one.figures.values.is_empty() => {}
                 Ok(one) => judgement.measured.push((judge.name.clone(), one)),
                 Err(error) => judgement.failed.push((judge.name.clone(), error.to_string())),
@@ -218,9 +251,9 @@ impl<'a> Judges<'a> {
     }
 
     /// How near the worst figure comes to being bad: 1 where it is.
-    pub fn strain(&self, judgement: &Judgement) -> f64 {
+    pub fn strain(&self, said: &Said) -> f64 {
         let of = |judge: &Judge<'_>, limit: &Limit| {
-            let found = judgement.number(&judge.name, limit.figure)?.abs();
+            let found = said.number(&judge.name, limit.figure)?.abs();
             (limit.bad > 0.0).then_some(found / limit.bad)
         };
         let all = self.judges.iter().flat_map(|judge| judge.limits.iter().filter_map(move |limit| of(judge, limit)));
@@ -228,16 +261,16 @@ impl<'a> Judges<'a> {
     }
 
     /// What is to be said of a pose; `None` if nothing was measured.
-    pub fn verdict(&self, judgement: &Judgement) -> Option<Verdict> {
-        let fails = |gate: &&Gate| judgement.failed.iter().any(|(metric, _)| *metric == gate.metric);
+    pub fn verdict(&self, said: &Said) -> Option<Verdict> {
+        let fails = |gate: &&Gate| said.failed.iter().any(|(metric, _)| *metric == gate.metric);
         let unmeasured: Vec<&Gate> = self.gates.iter().filter(fails).collect();
-        if judgement.measured.is_empty() && unmeasured.is_empty() {
+        if said.figures.is_empty() && unmeasured.is_empty() {
             return None;
         }
         let mut reasons = Vec::new();
         let mut above = |level, metric: &str, figure: &str, limit: f64| {
-            let Some(value) = judgement.number(metric, figure).filter(|value| value.abs() > limit) else { return };
-            let about = judgement.about(metric, figure);
+            let Some(value) = said.number(metric, figure).filter(|value| value.abs() > limit) else { return };
+            let about = said.about(metric, figure);
             let value = Some(value);
             reasons.push(Reason { level, metric: metric.into(), figure: figure.into(), about, value, limit });
         };
@@ -248,7 +281,7 @@ impl<'a> Judges<'a> {
         for judge in &self.judges {
             // What a pipeline says of a figure goes before what the metric says.
             for limit in judge.limits.iter().filter(|limit| !gated(&judge.name, limit.figure)) {
-                let found = judgement.number(&judge.name, limit.figure).unwrap_or(0.0).abs();
+                let found = said.number(&judge.name, limit.figure).unwrap_or(0.0).abs();
                 if found > limit.bad {
                     above(Level::Bad, &judge.name, limit.figure, limit.bad);
                 } else {

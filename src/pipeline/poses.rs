@@ -10,7 +10,7 @@ use super::{
     Formats,
     cache::{Cache, Key, Moved, Recipes},
     check::{Output, PoseFrom, PoseInput, Prepared, Side},
-    judge::Judges,
+    judge::{Judges, Said},
     pictures::{Gallery, Shot},
     report::PoseReport,
     run::of_pose,
@@ -42,6 +42,8 @@ pub struct Bench<'a> {
     pub shelf: Option<Shelf<'a>>,
     /// What measures results.
     pub judges: &'a Judges<'a>,
+    /// What metrics said of every pose, if that is kept from an earlier run.
+    pub said: Option<&'a [Said]>,
     /// What takes pictures, if any are wanted.
     pub gallery: Option<&'a Gallery<'a>>,
     /// Is told of every pose.
@@ -63,6 +65,17 @@ impl Shelf<'_> {
     /// The kept result of pose `i`.
     pub fn get(&self, i: usize) -> Option<Moved> {
         self.cache.get(self.kind(), self.key(i)?)
+    }
+
+    /// What metrics said of pose `i`.
+    pub fn said(&self, i: usize) -> Option<Said> {
+        self.cache.get("judged", self.recipes.judged(i, self.motion)?)
+    }
+
+    fn put_said(&self, i: usize, said: &Said) {
+        if let Some(key) = self.recipes.judged(i, self.motion) {
+            self.cache.put("judged", key, said);
+        }
     }
 
     fn put(&self, i: usize, moved: &Moved) {
@@ -224,7 +237,7 @@ impl Bench<'_> {
     }
 
     fn wants_source(&self) -> bool {
-        self.judges.want_source() || self.gallery.is_some()
+        self.said.is_none() && (self.judges.want_source() || self.gallery.is_some())
     }
 
     fn ready(&self, (positions, figures): Moved, reused: bool, posed: Option<&[Point3<f64>]>) -> Ready {
@@ -290,6 +303,9 @@ impl Bench<'_> {
     /// Measures pose `i`, against the truth too if that is known.
     fn judge(&self, i: usize, ready: &Ready, before: [Option<Frame<'_>>; 2], report: &mut PoseReport) {
         let Prepared { truth, formats, target, .. } = self.prepared;
+        if let Some(said) = self.said {
+            return self.tell(&said[i], report);
+        }
         let rest = &target.sequence.rest;
         let mut unreadable = false;
         let truth = truth.positions(i, &report.name, rest, formats).unwrap_or_else(|error| {
@@ -300,15 +316,20 @@ impl Bench<'_> {
         });
         let judged =
             Judged { result: &ready.positions, truth: truth.as_deref(), source: ready.source.as_deref(), before };
-        let mut judgement = self.judges.measure(judged);
-        for (metric, error) in &judgement.failed {
-            report.figures.warn(format!("metric {metric}: {error}"));
+        let judgement = self.judges.measure(judged);
+        let mut said = judgement.said();
+        if let Some(truth) = &truth {
+            said.nothing = self.judges.against_truth(Judged::against(&rest.positions, truth)).figures();
         }
+        if let Some(shelf) = self.shelf.filter(|_| !unreadable) {
+            shelf.put_said(i, &said);
+        }
+        self.tell(&said, report);
         if unreadable {
-            judgement.failed.extend(self.judges.of_truth().map(|metric| (metric.to_owned(), String::new())));
+            let missing = self.judges.of_truth().map(|metric| (metric.to_owned(), String::new()));
+            said.failed.extend(missing);
+            report.verdict = self.judges.verdict(&said);
         }
-        report.verdict = self.judges.verdict(&judgement);
-        report.metrics = judgement.figures();
         if let Some(gallery) = self.gallery {
             let shot = Shot {
                 name: &report.name,
@@ -316,13 +337,20 @@ impl Bench<'_> {
                 result: &ready.positions,
                 judgement: &judgement,
                 verdict: report.verdict.as_ref(),
-                strain: self.judges.strain(&judgement),
+                strain: self.judges.strain(&said),
             };
             gallery.take(i, &shot);
         }
-        if let Some(truth) = &truth {
-            report.nothing = self.judges.against_truth(Judged::against(&rest.positions, truth)).figures();
+    }
+
+    /// What metrics said, in the report.
+    fn tell(&self, said: &Said, report: &mut PoseReport) {
+        for (metric, error) in &said.failed {
+            report.figures.warn(format!("metric {metric}: {error}"));
         }
+        report.verdict = self.judges.verdict(said);
+        report.metrics = said.figures.clone();
+        report.nothing = said.nothing.clone();
     }
 
     /// The files of one pose, written aside.

@@ -9,7 +9,7 @@ use super::{
     cache::{Cache, Keep, OfTransfer, Recipe, Record},
     check::Prepared,
     hash::hash_file,
-    judge::{Gate, Judges, Level},
+    judge::{Gate, Judges, Level, Said},
     pictures::Gallery,
     poses::{self, Bench, Shelf, Stream},
     process,
@@ -83,7 +83,13 @@ impl Run<'_> {
             (0..prepared.poses.len()).into_par_iter().all(|i| shelf.get(i).is_some()).then_some((kept, shelf))
         });
         // Where every pose is kept, stages are only asked for what they said, and for what metrics want to know.
-        let judged = prepared.metrics.iter().any(|metric| !metric.needs_truth());
+        let seen = !prepared.outputs.pages.is_empty() || !prepared.outputs.sheets.is_empty();
+        // Pictures show more than figures, so that for them everything is measured again.
+        let said: Option<Vec<Said>> = kept
+            .as_ref()
+            .filter(|_| !seen)
+            .and_then(|(_, shelf)| (0..prepared.poses.len()).into_par_iter().map(|i| shelf.said(i)).collect());
+        let judged = said.is_none() && prepared.metrics.iter().any(|metric| !metric.needs_truth());
         let needed = kept.is_none() || judged || prepared.outputs.correspondence.is_some();
 
         let of_proximity = recipes.and_then(|recipes| recipes.proximity.as_ref());
@@ -152,15 +158,19 @@ impl Run<'_> {
             pair: Some(pair),
             map: known.filter(|map| map.orphan_count() < map.partners.len()),
         };
-        let judges = Judges::bind(&prepared.metrics, subject)?.with_gates(&prepared.gates);
-        let outputs = &prepared.outputs;
-        let gallery = (!outputs.pages.is_empty() || !outputs.sheets.is_empty()).then(|| Gallery::new(prepared));
+        let judges = match said {
+            Some(_) => Judges::of_limits(&prepared.metrics),
+            None => Judges::bind(&prepared.metrics, subject)?,
+        };
+        let judges = judges.with_gates(&prepared.gates);
+        let gallery = seen.then(|| Gallery::new(prepared));
         let bench = Bench {
             prepared,
             transfer: transfer.typetag_name(),
             bound,
             shelf,
             judges: &judges,
+            said: said.as_deref(),
             gallery: gallery.as_ref(),
             watch: self.watch,
         };

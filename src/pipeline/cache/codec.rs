@@ -3,9 +3,12 @@
 use nalgebra::Point3;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
-use crate::core::{
-    Figures,
-    stage::{ProximityGraph, TriangleMap},
+use crate::{
+    core::{
+        Figures,
+        stage::{ProximityGraph, TriangleMap},
+    },
+    pipeline::judge::Said,
 };
 
 /// What is kept of a bound transfer: it is bound anew when poses are missing, for what it holds is no data.
@@ -56,6 +59,16 @@ impl Keep for TriangleMap {
 }
 
 impl Keep for OfTransfer {
+    fn to_bytes(&self) -> Vec<u8> {
+        serde_json::to_vec(self).unwrap_or_default()
+    }
+
+    fn from_bytes(bytes: &[u8]) -> Option<Self> {
+        json(bytes)
+    }
+}
+
+impl Keep for Said {
     fn to_bytes(&self) -> Vec<u8> {
         serde_json::to_vec(self).unwrap_or_default()
     }

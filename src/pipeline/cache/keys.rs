@@ -12,7 +12,7 @@ use crate::{
         stage::Marker,
     },
     pipeline::{
-        check::{PoseFrom, PoseInput, Prepared, Side},
+        check::{PoseFrom, PoseInput, Prepared, Side, Truth},
         hash_file, poses,
     },
 };
@@ -46,6 +46,10 @@ pub struct Recipes {
     pub transfer: Recipe,
     /// The contents of each pose; `None` for one that cannot be read.
     pub poses: Vec<Option<blake3::Hash>>,
+    /// The metrics, with their settings.
+    metrics: blake3::Hash,
+    /// The known result of each pose; `None` for one that cannot be read.
+    truths: Vec<Option<blake3::Hash>>,
 }
 
 impl Recipes {
@@ -93,7 +97,17 @@ impl Recipes {
                 "poses it learns from": blake3::hash(learned.join(" ").as_bytes()).to_hex().to_string(),
             }),
         );
-        Self { proximity, correspondence, transfer, poses }
+        let metrics = serde_json::to_value(&prepared.metrics).unwrap_or_default();
+        let metrics = serde_json::to_vec(&(program, files_in(&metrics), &metrics)).unwrap_or_default();
+        let truths = (0..poses.len()).into_par_iter().map(|i| of_truth(prepared, i)).collect();
+        Self { proximity, correspondence, transfer, poses, metrics: blake3::hash(&metrics), truths }
+    }
+
+    /// The key of what metrics say of pose `i`, which depends on the two before it too.
+    pub fn judged(&self, i: usize, motion: bool) -> Option<Key> {
+        let of = |i: usize| if motion { self.frame(i) } else { self.pose(i) };
+        let before = |back: usize| i.checked_sub(back).and_then(of).map_or(blake3::hash(b"none"), |key| key.0);
+        Some(self.of_poses("judged", &[of(i)?.0, before(1), before(2), self.metrics, self.truths[i]?]))
     }
 
     /// The key of pose `i`'s result, where poses stand alone.
@@ -153,6 +167,24 @@ fn of_pose(prepared: &Prepared, source: &str, pose: &PoseInput) -> Option<blake3
             hasher.update(serde_json::to_string(prepared.formats.all()).unwrap_or_default().as_bytes());
             hasher.update(path.extension().unwrap_or_default().as_encoded_bytes());
             hasher.update(hash_file(path).ok()?.as_bytes());
+        }
+    }
+    Some(hasher.finalize())
+}
+
+/// The known result of pose `i`, or that there is none.
+fn of_truth(prepared: &Prepared, i: usize) -> Option<blake3::Hash> {
+    let mut hasher = blake3::Hasher::new();
+    match &prepared.truth {
+        Truth::None => _ = hasher.update(b"none"),
+        Truth::Held(by_name) => {
+            let positions = by_name.get(&prepared.poses[i].name).into_iter().flatten();
+            positions.for_each(|p| update(&mut hasher, p.coords.as_slice()));
+        }
+        Truth::Files(files) => {
+            hasher.update(serde_json::to_string(prepared.formats.all()).unwrap_or_default().as_bytes());
+            hasher.update(files[i].extension().unwrap_or_default().as_encoded_bytes());
+            hasher.update(hash_file(&files[i]).ok()?.as_bytes());
         }
     }
     Some(hasher.finalize())

@@ -1,9 +1,10 @@
 //! Results of stages, kept under what they depend on, so that a run does again only what is new.
 //!
 //! A key is the BLAKE3 hash of the program, the stage's settings, the contents of its inputs and the keys of the stages before
-//! it; no time stamp or path takes part. Kept are the proximity graph, the triangle map, and every posed target on its own as
-//! soon as it is done: a run that was killed goes on where it was. A bound transfer is no data; it is bound anew if any pose is
-//! missing. Frames of one motion depend on those before, so that they are kept but taken only all together.
+//! it; no time stamp or path takes part. Kept are the proximity graph, the triangle map, every posed target on its own as
+//! soon as it is done, and what metrics said of it: a run that was killed goes on where it was. A bound transfer is no data; it is
+//! bound anew if any pose is missing. Frames of one motion depend on those before, so that they are kept but taken only all
+//! together, and so are the figures of metrics.
 
 mod codec;
 mod keys;
