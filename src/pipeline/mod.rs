@@ -10,6 +10,7 @@ pub mod check;
 pub mod compose;
 pub mod document;
 mod formats;
+pub mod gates;
 mod hash;
 pub mod judge;
 pub mod key_points;
@@ -25,6 +26,7 @@ mod ranges;
 pub mod report;
 pub mod resolve;
 mod run;
+mod shelf;
 mod spec;
 pub mod staging;
 #[cfg(test)]

@@ -6,7 +6,7 @@ use serde::Serialize;
 use super::{
     Prepared,
     cache::{Cache, Change, OfTransfer, Recipe, Record},
-    poses::Shelf,
+    shelf::Shelf,
 };
 use crate::core::stage::{ProximityGraph, TriangleMap};
 

@@ -8,12 +8,13 @@ use rayon::prelude::*;
 
 use super::{
     Formats,
-    cache::{Cache, Key, Moved, Recipes},
+    cache::Moved,
     check::{Output, PoseFrom, PoseInput, Prepared, Side},
     judge::{Judges, Said},
     pictures::{Gallery, Shot},
     report::PoseReport,
     run::of_pose,
+    shelf::Shelf,
     staging::{self, Staged},
     watch::Watch,
 };
@@ -48,49 +49,6 @@ pub struct Bench<'a> {
     pub gallery: Option<&'a Gallery<'a>>,
     /// Is told of every pose.
     pub watch: &'a dyn Watch,
-}
-
-/// Results of poses that are kept from run to run.
-#[derive(Clone, Copy, Debug)]
-pub struct Shelf<'a> {
-    /// The cache.
-    pub cache: &'a Cache,
-    /// What the results depend on.
-    pub recipes: &'a Recipes,
-    /// Whether poses are frames of one motion.
-    pub motion: bool,
-}
-
-impl Shelf<'_> {
-    /// The kept result of pose `i`.
-    pub fn get(&self, i: usize) -> Option<Moved> {
-        self.cache.get(self.kind(), self.key(i)?)
-    }
-
-    /// What metrics said of pose `i`.
-    pub fn said(&self, i: usize) -> Option<Said> {
-        self.cache.get("judged", self.recipes.judged(i, self.motion)?)
-    }
-
-    fn put_said(&self, i: usize, said: &Said) {
-        if let Some(key) = self.recipes.judged(i, self.motion) {
-            self.cache.put("judged", key, said);
-        }
-    }
-
-    fn put(&self, i: usize, moved: &Moved) {
-        if let Some(key) = self.key(i) {
-            self.cache.put(self.kind(), key, moved);
-        }
-    }
-
-    fn kind(&self) -> &'static str {
-        if self.motion { "frame" } else { "pose" }
-    }
-
-    fn key(&self, i: usize) -> Option<Key> {
-        if self.motion { self.recipes.frame(i) } else { self.recipes.pose(i) }
-    }
 }
 
 /// What comes of the poses.

@@ -8,12 +8,14 @@ use serde_json::{Value, json};
 use super::{
     cache::{Cache, Keep, OfTransfer, Recipe, Record},
     check::Prepared,
+    gates::Gate,
     hash::hash_file,
-    judge::{Gate, Judges, Level, Said},
+    judge::{Judges, Level, Said},
     pictures::Gallery,
-    poses::{self, Bench, Shelf, Stream},
+    poses::{self, Bench, Stream},
     process,
     report::{Clock, InputFile, MeshFigures, PoseReport, Report, RunOf, StageReport, over_poses},
+    shelf::Shelf,
     staging,
     watch::Watch,
 };

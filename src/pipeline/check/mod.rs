@@ -26,7 +26,7 @@ use self::{outputs::Out, shared::Shared, told::Told};
 use super::{
     At, Document, Formats, Pipeline, Step, Variant,
     compose::{self, OneRun},
-    judge::Gate,
+    gates::Gate,
     parse,
     report::{Clock, StageReport},
 };

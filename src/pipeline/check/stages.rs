@@ -13,7 +13,8 @@ use crate::{
     pipeline::{
         At, Pipeline, Step,
         document::path,
-        judge::{self, Gate, Unknown},
+        gates::{self, Gate, Unknown},
+        judge,
         words::did_you_mean,
     },
     status::Status,
@@ -110,7 +111,7 @@ impl Check<'_> {
         metrics: &[Box<dyn Metric>],
         truth: &Truth,
     ) -> Vec<Gate> {
-        let (gates, unknown) = judge::gates(given, metrics);
+        let (gates, unknown) = gates::gates(given, metrics);
         for Unknown { key, known } in unknown {
             let at = path(["gates", &key]);
             let elsewhere = plugin::instances::<dyn Metric>().into_iter().find(|(name, _)| key.starts_with(*name));
