@@ -198,6 +198,10 @@ fn runs_are_compared_in_a_table_as_json_and_on_a_page() {
     let mean = |k: usize| all["runs"][k]["metrics"]["point_error"]["average"]["mean"].as_f64().unwrap();
     assert!(mean(0) < mean(1), "{} and {}", mean(0), mean(1));
 
+    let own = project.mimesh(&["compare", "good", "simple", "--out", "good/report.html"]);
+    assert_eq!(own.status, 73, "{}", own.err);
+    assert!(project.read("good/report.html").contains("Verdict of each pose"), "the report of a run was replaced");
+
     let one = project.mimesh(&["compare", "good"]);
     assert_eq!(one.status, 2);
     assert!(one.err.contains("expected two at least"), "{}", one.err);

@@ -22,7 +22,7 @@ use crate::{
         check::in_file,
         judge::point_error,
         pictures::{self, Look},
-        resolve, staging,
+        resolve, spread, staging,
     },
     status::Status,
     text::{number, seconds, table},
@@ -30,8 +30,8 @@ use crate::{
 
 /// Shows runs beside each other: figures, curves and pictures.
 ///
-/// The best of each line is marked with `*` if all have the same target. Runs are told by their reports; results that are still where they were written
-/// are drawn, with errors in colour where the truth is known.
+/// The best of each line is marked with `*` if all have the same target. Results that lie beside their report as they were
+/// written are drawn, with errors in colour where the truth is known.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   mimesh compare out/gradient/run.json out/biharmonic/run.json
@@ -78,6 +78,13 @@ impl Compare {
         let mut runs: Vec<Shown> =
             names.into_iter().zip(reports).map(|(name, report)| Shown { name, report, pictures: vec![] }).collect();
         if let Some(out) = &self.out {
+            let identity = resolve::identity(out);
+            let of_runs = reports_and_results(&runs, &files);
+            if of_runs.iter().any(|path| resolve::identity(path) == identity) {
+                let place = Place::Option(format!("--out {}", out.display()));
+                let mistake = Mistake::new(Status::CannotWrite, "this is what one of the runs wrote").at(place);
+                return Err(mistake.hint("choose another name").into());
+            }
             for (run, file) in runs.iter_mut().zip(&files) {
                 let (pictures, problems) = draw(&run.report, file);
                 problems.iter().for_each(|problem| terminal::warn(&format!("{}: {problem}", run.name)));
@@ -99,6 +106,12 @@ impl Compare {
         }
         Ok(Status::Done)
     }
+}
+
+/// The files that are read, or may be.
+fn reports_and_results(runs: &[Shown], files: &[PathBuf]) -> Vec<PathBuf> {
+    let written = runs.iter().zip(files).flat_map(|(run, file)| Written::new(&run.report, file).files);
+    files.iter().cloned().chain(written.map(|(path, _)| path)).collect()
 }
 
 /// That `out` has one of `extensions`, and is no folder.
@@ -290,7 +303,8 @@ fn results(report: &Report, written: &Written, formats: &Formats) -> std::result
                 let path = file(name)?;
                 Some((name.clone(), formats.reader(path).ok()?.read(path).ok()?.rest))
             };
-            let all: Vec<_> = chosen(report.poses.len()).filter_map(|i| read(&report.poses[i].name)).collect();
+            let all: Vec<_> =
+                spread(report.poses.len(), MOST).into_iter().filter_map(|i| read(&report.poses[i].name)).collect();
             if !all.is_empty() {
                 return Ok(all);
             }
@@ -301,16 +315,10 @@ fn results(report: &Report, written: &Written, formats: &Formats) -> std::result
                 (pose.name, Mesh { positions: pose.positions, ..sequence.rest.clone() })
             };
             let mut poses: Vec<_> = sequence.poses.into_iter().map(Some).collect();
-            return Ok(chosen(poses.len()).filter_map(|i| poses[i].take()).map(posed).collect());
+            return Ok(spread(poses.len(), MOST).into_iter().filter_map(|i| poses[i].take()).map(posed).collect());
         }
     }
     Err("its results are not where they were written".into())
-}
-
-/// The poses of `all` that are drawn.
-fn chosen(all: usize) -> impl Iterator<Item = usize> {
-    let count = all.min(MOST);
-    (0..count).map(move |k| k * all / count)
 }
 
 /// The known results of a run, by name of pose.

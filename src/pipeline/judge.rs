@@ -109,7 +109,7 @@ impl Reason {
 pub struct Judgement {
     /// By type of metric; those that say nothing are left out.
     pub measured: Vec<(String, Measured)>,
-    /// Metrics that failed, and why; those that want a truth where it could not be read are among them.
+    /// Metrics that failed, and why.
     pub failed: Vec<(String, String)>,
 }
 
@@ -120,7 +120,7 @@ pub struct Said {
     pub figures: Map<String, Value>,
     /// What single figures are about: metric, figure, words.
     pub about: Vec<(String, String, String)>,
-    /// Metrics that failed, and why.
+    /// Metrics that failed, and why; while a verdict is made, also those that want a truth that could not be read.
     pub failed: Vec<(String, String)>,
     /// The figures against the truth for the target at rest in place of the result.
     pub nothing: Map<String, Value>,

@@ -40,6 +40,7 @@ pub use document::{At, Document, Step};
 pub use formats::{Formats, Unknown, Writes};
 pub use hash::hash_file;
 pub use one_or_many::OneOrMany;
+pub use poses::spread;
 pub use ranges::{choices, described_choices, range, settings_schema};
 pub use report::Report;
 pub use run::{Outcome, run};

@@ -107,7 +107,11 @@ impl Bench<'_> {
         for chunk in poses.chunks(chunk) {
             let before = passed.len();
             match &mut motion {
-                None => passed.par_extend(chunk.par_iter().map(|(i, pose)| self.pose(*i, pose))),
+                None => passed.par_extend(chunk.par_iter().map(|(i, pose)| {
+                    let ready = self.pose(*i, pose);
+                    self.watch.pose_done();
+                    ready
+                })),
                 Some(motion) => passed.extend(self.frames(chunk, motion.as_mut())),
             }
             let finish = |(k, &(i, pose)): (usize, &(usize, &PoseInput))| {
@@ -116,7 +120,6 @@ impl Bench<'_> {
                 Some(self.finish(i, pose, ready, [1, 2].map(|back| frame(back).map(Ready::frame))))
             };
             let done: Vec<_> = chunk.par_iter().enumerate().map(finish).collect();
-            chunk.iter().for_each(|_| self.watch.pose_done());
             for (k, ((_, pose), done)) in chunk.iter().zip(done).enumerate() {
                 let mistake = match (&passed[before + k], done) {
                     (Ok(ready), Some(Ok(done))) => {
@@ -187,9 +190,12 @@ impl Bench<'_> {
     fn frames(&self, chunk: &[(usize, &PoseInput)], motion: &mut dyn Motion) -> Vec<Tried<Ready>> {
         let read: Vec<_> = chunk.par_iter().map(|(_, pose)| self.posed(pose)).collect();
         let frame = |(&(i, pose), posed): (&(usize, &PoseInput), Tried<Vec<_>>)| {
-            let posed = posed?;
-            let moved = self.moved(i, pose, &posed, |posed| motion.frame(i, posed))?;
-            Ok(self.ready(moved, false, Some(&posed)))
+            let moved = posed.and_then(|posed| {
+                let moved = self.moved(i, pose, &posed, |posed| motion.frame(i, posed))?;
+                Ok(self.ready(moved, false, Some(&posed)))
+            });
+            self.watch.pose_done();
+            moved
         };
         chunk.iter().zip(read).map(frame).collect()
     }

@@ -83,11 +83,12 @@ pub struct Judged<'a> {
     pub truth: Option<&'a [Point3<f64>]>,
     /// The source in this pose, for the vertices of its surface.
     pub source: Option<&'a [Point3<f64>]>,
-    /// One and two frames before, where poses are frames of one motion.
+    /// One and two poses before, in the order of the run, where they did not fail: frames, if the run is a motion. A metric of motions
+    /// cannot tell whether it is; it should say nothing alarming of poses that are unrelated.
     pub before: [Option<Frame<'a>>; 2],
 }
 
-/// A pose of a motion that has passed.
+/// A pose before the one that is judged.
 #[derive(Clone, Copy, Debug)]
 pub struct Frame<'a> {
     /// The result, for the vertices of the target's mesh.

@@ -20,7 +20,8 @@ register!(Metric: Jitter);
 /// - `beyond` = max(0, `rms` − `source_rms`);
 /// - `ratio` = (`rms` + 0.05) / (`source_rms` + 0.05): where neither does more than 0.05 %, a millimetre on a person, it is about 1.
 ///
-/// There are no figures for the first two frames, nor for poses that are not frames of one motion.
+/// Poses in their order are taken for frames; where they are unrelated the source jumps as the target does, and `ratio` is about 1.
+/// There are no figures for the first two frames, nor after a pose that failed.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema, Serialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Jitter {}
