@@ -47,6 +47,32 @@ pub fn bytes(size: u64) -> String {
     format!("{value:.*} {unit}", if value < 10.0 { 1 } else { 0 })
 }
 
+/// Rows as comma-separated values.
+pub fn csv(rows: &[Vec<String>]) -> String {
+    let quoted = |cell: &String| match cell.contains(['"', ',', '\n', '\r']) {
+        true => format!("\"{}\"", cell.replace('"', "\"\"")),
+        false => cell.clone(),
+    };
+    rows.iter().map(|row| row.iter().map(quoted).collect::<Vec<_>>().join(",") + "\n").collect()
+}
+
+/// Rows as a table of a page, the first as its heading; columns from `numbers` on are flush right.
+pub fn markdown(rows: &[Vec<String>], numbers: usize) -> String {
+    let line = |cells: &[String]| {
+        let cells: Vec<_> = cells.iter().map(|cell| cell.replace('|', "\\|")).collect();
+        format!("| {} |\n", cells.join(" | "))
+    };
+    let mut text = String::new();
+    for (i, row) in rows.iter().enumerate() {
+        text += &line(row);
+        if i == 0 {
+            let rule = (0..row.len()).map(|i| if i < numbers { "---" } else { "---:" }.to_owned());
+            text += &line(&rule.collect::<Vec<_>>());
+        }
+    }
+    text
+}
+
 /// A duration, e.g. `0.04 s`, `12.3 s`, `3 min 20 s`.
 pub fn seconds(seconds: f64) -> String {
     if seconds < 9.95 {

@@ -18,7 +18,6 @@ pub use self::{
     table::{csv, markdown, rows},
 };
 use crate::{
-    core::Error,
     mistake::{Mistake, Place, Result},
     pipeline::{self, Options, Report, Watch, staging},
     status::Status,
@@ -58,9 +57,7 @@ pub fn run(case: &Case, method: &Method, folder: &Path, threads: usize, watch: &
     }
     let mut staged = Vec::new();
     for (path, text) in markers.into_iter().chain([(file.clone(), case.pipeline(method, &name))]) {
-        staged.push(staging::stage(&path, |out| {
-            out.write_all(text.as_bytes()).map_err(|error| Error::write(&path, error))
-        })?);
+        staged.push(staging::stage_bytes(&path, text.as_bytes())?);
     }
     staging::commit(staged)?;
     // Times are to be those of the work, so nothing is taken from a cache.

@@ -1,5 +1,8 @@
 use super::Entry;
-use crate::{pipeline::Report, text::seconds};
+use crate::{
+    pipeline::Report,
+    text::{self, seconds},
+};
 
 /// A column: its heading, and its figure of `point_error` over poses.
 const COLUMNS: [(&str, &str, &str); 5] = [
@@ -62,21 +65,10 @@ fn figure_of(report: &Report, over: &str, figure: &str) -> String {
 
 /// As a table of a page.
 pub fn markdown(entries: &[Entry]) -> String {
-    let mut text = String::new();
-    for (i, row) in rows(entries).iter().enumerate() {
-        text += &format!("| {} |\n", row.join(" | "));
-        if i == 0 {
-            text += &format!("| --- | --- |{}\n", " ---: |".repeat(row.len() - 2));
-        }
-    }
-    text
+    text::markdown(&rows(entries), 2)
 }
 
 /// As comma-separated values.
 pub fn csv(entries: &[Entry]) -> String {
-    let quoted = |cell: &String| match cell.contains([',', '"', '\n']) {
-        true => format!("\"{}\"", cell.replace('"', "\"\"")),
-        false => cell.clone(),
-    };
-    rows(entries).iter().map(|row| row.iter().map(quoted).collect::<Vec<_>>().join(",") + "\n").collect()
+    text::csv(&rows(entries))
 }

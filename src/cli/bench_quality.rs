@@ -5,7 +5,6 @@ use serde_json::json;
 use super::{Ended, progress::Progress, terminal};
 use crate::{
     bench::{self, Entry, METHODS, Method},
-    core::Error,
     mistake::{Mistake, Place},
     pipeline::{Watch, staging, words::did_you_mean},
     status::Status,
@@ -101,11 +100,7 @@ impl BenchQuality {
             }
         }
         if let (Some(path), Some(text)) = (&self.table, write) {
-            let text = text(&entries);
-            let write = |out: &mut dyn std::io::Write| {
-                out.write_all(text.as_bytes()).map_err(|error| Error::write(path, error))
-            };
-            staging::commit(vec![staging::stage(path, write)?])?;
+            staging::write(path, text(&entries).as_bytes())?;
         }
         let whole = entries.iter().all(|entry| entry.ended.is_ok() && entry.failed.is_empty());
         let none = entries.iter().all(|entry| entry.ended.is_err());

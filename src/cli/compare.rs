@@ -91,10 +91,7 @@ impl Compare {
                 run.pictures = pictures;
             }
             let page = page::compare("Comparison of runs", &runs);
-            let write = |file: &mut dyn std::io::Write| {
-                file.write_all(page.as_bytes()).map_err(|error| Error::write(out, error))
-            };
-            staging::commit(vec![staging::stage(out, write)?])?;
+            staging::write(out, page.as_bytes())?;
         }
         if self.json {
             terminal::print_json(&as_json(&files, &runs));

@@ -75,17 +75,12 @@ impl KeyPoints {
         let interrupted = INTERRUPTED.load(Ordering::Relaxed);
 
         let file = key_points::to_complete(&prepared, &chosen.points, &before);
-        let mut staged = vec![staging::stage(&output, |out| {
-            let told =
-                "# Key points of the source. Behind each `target:` write the vertex of the target at the same place.\n";
-            let text = format!("{told}{}", markers::yaml::write(&file));
-            out.write_all(text.as_bytes()).map_err(|error| crate::core::Error::write(&output, error))
-        })?];
+        let told =
+            "# Key points of the source. Behind each `target:` write the vertex of the target at the same place.\n";
+        let text = format!("{told}{}", markers::yaml::write(&file));
+        let mut staged = vec![staging::stage_bytes(&output, text.as_bytes())?];
         if let Some(path) = &self.curve {
-            staged.push(staging::stage(path, |out| {
-                let svg = key_points::curve(&chosen.steps);
-                out.write_all(svg.as_bytes()).map_err(|error| crate::core::Error::write(path, error))
-            })?);
+            staged.push(staging::stage_bytes(path, key_points::curve(&chosen.steps).as_bytes())?);
         }
         let written = staging::commit(staged)?;
         let open = file.entries.iter().filter(|entry| entry.target.is_none()).count();

@@ -121,14 +121,8 @@ impl Common {
             }
         }
         warnings.iter().for_each(|warning| terminal::warn(warning));
-        let staged: core::Result<Vec<_>> = texts
-            .iter()
-            .map(|(path, text)| {
-                staging::stage(path, |out| {
-                    out.write_all(text.as_bytes()).map_err(|error| core::Error::write(path, error))
-                })
-            })
-            .collect();
+        let staged: core::Result<Vec<_>> =
+            texts.iter().map(|(path, text)| staging::stage_bytes(path, text.as_bytes())).collect();
         let written = staging::commit(staged?)?;
         Ok(written.into_iter().map(|file| file.path).collect())
     }

@@ -127,9 +127,7 @@ impl Render {
         let cells: Vec<Cell> = meshes.par_iter().enumerate().map(draw).collect::<Result<_>>()?;
         let rows: Vec<Vec<Cell>> = cells.chunks(columns as usize).map(<[Cell]>::to_vec).collect();
         let png = sheet("", &rows).png();
-        let write =
-            |file: &mut dyn std::io::Write| file.write_all(&png).map_err(|error| Error::write(&self.out, error));
-        staging::commit(vec![staging::stage(&self.out, write)?])?;
+        staging::write(&self.out, &png)?;
         let what = count(meshes.len(), "mesh", "meshes");
         terminal::print(&format!("{} of {what}, {}\n", self.out.display(), bytes(png.len() as u64)));
         Ok(Status::Done)

@@ -208,11 +208,7 @@ impl<'a> Table<'a> {
     }
 
     fn write(&self, results: &Results) -> Result<()> {
-        let text = (self.text)(results);
-        let write = |out: &mut dyn std::io::Write| {
-            out.write_all(text.as_bytes()).map_err(|error| crate::core::Error::write(self.file, error))
-        };
-        staging::commit(vec![staging::stage(self.file, write)?])?;
+        staging::write(self.file, (self.text)(results).as_bytes())?;
         Ok(())
     }
 }

@@ -301,16 +301,13 @@ fn keep(path: &Path, map: &TriangleMap) -> crate::core::Result<staging::Staged> 
 /// The pages and sheets of a run, written aside.
 fn looks(prepared: &Prepared, report: &Report, gallery: Gallery<'_>) -> crate::core::Result<Vec<staging::Staged>> {
     let mut staged = Vec::new();
-    let write = |path: &Path, bytes: &[u8]| {
-        staging::stage(path, |out| out.write_all(bytes).map_err(|error| Error::write(path, error)))
-    };
     for path in &prepared.outputs.sheets {
-        staged.push(write(path, &gallery.sheet())?);
+        staged.push(staging::stage_bytes(path, &gallery.sheet())?);
     }
     if !prepared.outputs.pages.is_empty() {
         let page = page::page(report, &gallery.pictures());
         for path in &prepared.outputs.pages {
-            staged.push(write(path, page.as_bytes())?);
+            staged.push(staging::stage_bytes(path, page.as_bytes())?);
         }
     }
     Ok(staged)

@@ -62,6 +62,24 @@ pub fn stage(place: &Path, write: impl FnOnce(&mut dyn Write) -> Result<()>) -> 
     Ok(staged)
 }
 
+/// Writes `bytes` for `place` aside, as [`stage`].
+///
+/// # Errors
+///
+/// [`Error::Io`] about `place`.
+pub fn stage_bytes(place: &Path, bytes: &[u8]) -> Result<Staged> {
+    stage(place, |out| out.write_all(bytes).map_err(|error| Error::write(place, error)))
+}
+
+/// Writes a file whole: aside, and then into its place.
+///
+/// # Errors
+///
+/// [`Error::Io`] about `place`.
+pub fn write(place: &Path, bytes: &[u8]) -> Result<()> {
+    commit(vec![stage_bytes(place, bytes)?]).map(drop)
+}
+
 /// Moves files into their places.
 ///
 /// # Errors

@@ -8,6 +8,7 @@ use crate::{
     core::{plugin, stage::Metric},
     mistake::Mistake,
     pipeline::{Report, judge::Level, report::headlines},
+    text,
 };
 
 /// How the runs of a file ended, as a table: a row a run, a column for its target, for each key that the matrix varies,
@@ -115,30 +116,12 @@ impl Results {
             value.map(|value| value.as_str().map_or_else(|| value.to_string(), str::to_owned)).unwrap_or_default()
         };
         let rows = self.rows_of(&self.keys(), value, &columns, &headings, |number| number.to_string());
-        let quoted = |cell: &String| match cell.contains(['"', ',', '\n', '\r']) {
-            true => format!("\"{}\"", cell.replace('"', "\"\"")),
-            false => cell.clone(),
-        };
-        rows.iter().map(|row| row.iter().map(quoted).collect::<Vec<_>>().join(",") + "\n").collect()
+        text::csv(&rows)
     }
 
     /// For a page: as [`Results::table`].
     pub fn markdown(&self) -> String {
-        let line = |cells: &[String]| {
-            let cells: Vec<_> = cells.iter().map(|cell| cell.replace('|', "\\|")).collect();
-            format!("| {} |\n", cells.join(" | "))
-        };
-        let table = self.table();
-        let mut text = String::new();
-        for (i, row) in table.iter().enumerate() {
-            text += &line(row);
-            if i == 0 {
-                let numbers = self.first_number();
-                let rule = (0..row.len()).map(|i| if i < numbers { "---" } else { "---:" }.to_owned());
-                text += &line(&rule.collect::<Vec<_>>());
-            }
-        }
-        text
+        text::markdown(&self.table(), self.first_number())
     }
 
     /// As JSON: every run with what tells it from the others, its figures, and its whole report.
