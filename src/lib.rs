@@ -5,7 +5,7 @@
 //! - [`pipeline`]: what a YAML file declares, how it is read and checked, and how it runs;
 //! - [`markers`]: files of corresponding points;
 //! - [`page`]: what a run or several look like in a browser;
-//! - [`mistake`] and [`status`]: how something wrong is told, and with which exit status;
+//! - [`diagnostic`] and [`status`]: how something wrong is told, and with which exit status;
 //! - [`mod@bench`]: every method where the result is known;
 //! - [`cli`]: the command line, one file a subcommand.
 //!
@@ -20,8 +20,8 @@
 
 pub mod bench;
 pub mod cli;
+pub mod diagnostic;
 pub mod markers;
-pub mod mistake;
 pub mod page;
 pub mod pipeline;
 pub mod status;
@@ -38,11 +38,11 @@ mod bundled {
     use mimesh_correspondences as _;
     use mimesh_deformers as _;
     use mimesh_formats as _;
+    use mimesh_generators as _;
     use mimesh_key_points as _;
     use mimesh_metrics as _;
     use mimesh_proximity as _;
     use mimesh_samplers as _;
-    use mimesh_samples as _;
     use mimesh_transfers as _;
     use mimesh_weights as _;
 }

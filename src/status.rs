@@ -2,7 +2,7 @@
 
 use std::process::ExitCode;
 
-use crate::core;
+use crate::diagnostic::Kind;
 
 /// How a command ended, for scripts; the numbers above 64 are those of BSD's `sysexits.h`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -30,25 +30,16 @@ pub enum Status {
     Interrupted = 130,
 }
 
-impl Status {
-    /// The status for an error of a stage or a file.
-    pub fn of(error: &core::Error) -> Self {
-        match error {
-            core::Error::Io { action: "write", .. } => Self::CannotWrite,
-            core::Error::Io { source, .. }
-                if matches!(source.kind(), std::io::ErrorKind::NotFound | std::io::ErrorKind::IsADirectory) =>
-            {
-                Self::MissingInput
-            }
-            core::Error::Setting { .. } => Self::BadPipeline,
-            core::Error::Other(_) => Self::Internal,
-            _ => Self::BadData,
+impl From<Kind> for Status {
+    fn from(kind: Kind) -> Self {
+        match kind {
+            Kind::Internal => Self::Internal,
+            Kind::Usage => Self::Usage,
+            Kind::BadData => Self::BadData,
+            Kind::MissingInput => Self::MissingInput,
+            Kind::CannotWrite => Self::CannotWrite,
+            Kind::BadPipeline => Self::BadPipeline,
         }
-    }
-
-    /// The status of several mistakes together: a wrong pipeline first, since the others may follow from it.
-    pub fn of_all(statuses: impl IntoIterator<Item = Self>) -> Self {
-        statuses.into_iter().max().unwrap_or(Self::Internal)
     }
 }
 
@@ -63,6 +54,7 @@ mod tests {
     use std::{io, path::Path};
 
     use super::*;
+    use crate::core;
 
     #[test]
     fn errors_of_files_tell_missing_from_unreadable_and_from_unwritable() {
@@ -71,11 +63,11 @@ mod tests {
         let folder = core::Error::read(path, io::ErrorKind::IsADirectory.into());
         let denied = core::Error::read(path, io::ErrorKind::PermissionDenied.into());
         let full = core::Error::write(path, io::ErrorKind::StorageFull.into());
-        assert_eq!([missing, folder, denied, full].map(|e| Status::of(&e) as u8), [66, 66, 65, 73]);
+        assert_eq!([missing, folder, denied, full].map(|e| Status::from(Kind::of(&e)) as u8), [66, 66, 65, 73]);
     }
 
     #[test]
     fn a_wrong_pipeline_outweighs_a_missing_file() {
-        assert_eq!(Status::of_all([Status::MissingInput, Status::BadPipeline, Status::BadData]), Status::BadPipeline);
+        assert_eq!(Kind::of_all([Kind::MissingInput, Kind::BadPipeline, Kind::BadData]), Kind::BadPipeline);
     }
 }

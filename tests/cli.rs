@@ -168,8 +168,8 @@ fn an_interrupted_run_ends_with_130_and_leaves_no_partial_file() {
     // Many poses, so that the run is under way for a while when the first results appear aside.
     project.write(
         "p.yaml",
-        "source: { sample: { type: quadruped, resolution: 40, frames: 600 } }\n\
-         target: { sample: { type: quadruped, resolution: 40, gait: none } }\n\
+        "source: { generator: { type: quadruped, resolution: 40, frames: 600 } }\n\
+         target: { generator: { type: quadruped, resolution: 40, gait: none } }\n\
          correspondence: { type: identity }\ntransfer: { type: gradient }\noutput: out/{pose}.obj\n",
     );
     let mut child = Command::new(assert_cmd::cargo::cargo_bin!("mimesh"))
@@ -211,8 +211,8 @@ fn results_from_a_kept_correspondence_are_those_of_the_run_that_kept_it_to_the_l
     // A fit in which some triangles find no partner, so that the file has every kind of entry.
     let pipeline = |correspondence: &str| {
         format!(
-            "source: {{ sample: {{ type: quadruped, resolution: 24, frames: 2 }} }}\n\
-             target: {{ sample: {{ type: quadruped, proportions: giraffe, resolution: 24, gait: none }} }}\n\
+            "source: {{ generator: {{ type: quadruped, resolution: 24, frames: 2 }} }}\n\
+             target: {{ generator: {{ type: quadruped, proportions: giraffe, resolution: 24, gait: none }} }}\n\
              correspondence: {correspondence}\ntransfer: {{ type: gradient }}\noutput: [out/{{pose}}.obj, out/all.glb]\n"
         )
     };

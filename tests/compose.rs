@@ -390,7 +390,7 @@ fn keypoints_see_through_includes_and_variables() {
     let project = Project::new();
     project.write(
         "base.yaml",
-        "source: { sample: { type: quadruped, resolution: ${n}, frames: 3 } }\nvariables: { n: 20 }\n",
+        "source: { generator: { type: quadruped, resolution: ${n}, frames: 3 } }\nvariables: { n: 20 }\n",
     );
     project
         .write("p.yaml", "include: base.yaml\nkey_points: { type: greedy, max_count: 2 }\ntargets: { a: {}, b: {} }\n");

@@ -5,7 +5,8 @@ use std::{collections::HashSet, path::PathBuf};
 use mimesh::core::{
     plugin::{self, instances},
     stage::{
-        Clusterer, Correspondence, Deformer, Format, KeyPoints, Metric, Proximity, Sample, Sampler, Transfer, Weights,
+        Clusterer, Correspondence, Deformer, Format, Generator, KeyPoints, Metric, Proximity, Sampler, Transfer,
+        Weights,
     },
     testkit::contracts,
 };
@@ -33,7 +34,7 @@ fn every_default_is_written_and_read_back() {
     instances::<dyn KeyPoints>().iter().for_each(|(name, stage)| contracts::round_trips(name, &**stage));
     instances::<dyn Metric>().iter().for_each(|(name, stage)| contracts::round_trips(name, &**stage));
     instances::<dyn Proximity>().iter().for_each(|(name, stage)| contracts::round_trips(name, &**stage));
-    instances::<dyn Sample>().iter().for_each(|(name, stage)| contracts::round_trips(name, &**stage));
+    instances::<dyn Generator>().iter().for_each(|(name, stage)| contracts::round_trips(name, &**stage));
     instances::<dyn Sampler>().iter().for_each(|(name, stage)| contracts::round_trips(name, &**stage));
     instances::<dyn Transfer>().iter().for_each(|(name, stage)| contracts::round_trips(name, &**stage));
     instances::<dyn Weights>().iter().for_each(|(name, stage)| contracts::round_trips(name, &**stage));
@@ -77,7 +78,7 @@ fn every_proximity_keeps_its_contract() {
 
 #[test]
 fn every_sample_keeps_its_contract() {
-    instances::<dyn Sample>().iter().for_each(|(name, stage)| contracts::sample(name, &**stage));
+    instances::<dyn Generator>().iter().for_each(|(name, stage)| contracts::generator(name, &**stage));
 }
 
 #[test]

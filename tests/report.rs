@@ -13,8 +13,8 @@ fn gallop(project: &Project, more: &str) {
     project.write(
         "g.yaml",
         &format!(
-            "source: {{ sample: {{ type: quadruped, proportions: horse, gait: gallop, resolution: 20, frames: 4 }} }}
-target: {{ sample: {{ type: quadruped, proportions: camel, gait: gallop, resolution: 20, frames: 4, seed: 1 }} }}
+            "source: {{ generator: {{ type: quadruped, proportions: horse, gait: gallop, resolution: 20, frames: 4 }} }}
+target: {{ generator: {{ type: quadruped, proportions: camel, gait: gallop, resolution: 20, frames: 4, seed: 1 }} }}
 correspondence: {{ type: nonrigid_fit }}
 transfer: {{ type: gradient }}
 output: [out/report.html, out/sheet.png, out/camel.glb]

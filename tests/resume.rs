@@ -17,8 +17,8 @@ use serde_json::Value;
 
 /// A gallop with files a pose and one of all.
 const GALLOP: &str = "\
-source: { sample: { type: quadruped, proportions: horse, gait: gallop, resolution: 20 } }
-target: { sample: { type: quadruped, proportions: camel, gait: gallop, resolution: 24, seed: 1 } }
+source: { generator: { type: quadruped, proportions: horse, gait: gallop, resolution: 20 } }
+target: { generator: { type: quadruped, proportions: camel, gait: gallop, resolution: 24, seed: 1 } }
 correspondence: { type: nonrigid_fit }
 transfer: { type: gradient }
 output: [ out/camel-{pose}.obj, out/camel.glb ]
@@ -111,7 +111,7 @@ fn a_change_does_again_only_what_depends_on_it() {
     assert_eq!(reused(&report), (stages(&[("correspondence", false), ("transfer", false)]), 0));
 
     // Another target changes all, other formats and files to write nothing.
-    assert_eq!(reused(&run(&project, &["--set", "target.sample.seed=2"])).1, 0);
+    assert_eq!(reused(&run(&project, &["--set", "target.generator.seed=2"])).1, 0);
     assert_eq!(reused(&run(&project, &["--set", "output=[only/{pose}.ply]"])).1, 12);
 }
 

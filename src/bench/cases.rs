@@ -8,9 +8,8 @@ use serde::Deserialize;
 use super::Method;
 use crate::{
     core::{Error, mesh::Surface},
-    mistake::{Mistake, Place, Result},
+    diagnostic::{Diagnostic, Kind, Location, Result},
     pipeline::Formats,
-    status::Status,
 };
 
 /// A transfer whose result is known.
@@ -31,8 +30,8 @@ pub fn samples() -> Vec<Case> {
     let quadruped = |name: &str, proportions: &str, gait: &str, more: &str| Case {
         name: name.into(),
         meshes: format!(
-            "source: {{ sample: {{ type: quadruped, proportions: horse, gait: {gait} }} }}\n\
-             target: {{ sample: {{ type: quadruped, proportions: {proportions}, gait: {gait}, {more} }} }}\n"
+            "source: {{ generator: {{ type: quadruped, proportions: horse, gait: {gait} }} }}\n\
+             target: {{ generator: {{ type: quadruped, proportions: {proportions}, gait: {gait}, {more} }} }}\n"
         ),
         components: more.contains("made_of"),
         markers: None,
@@ -67,10 +66,10 @@ pub fn folder(folder: &Path, markers: &[usize]) -> Result<(Vec<Case>, Vec<String
     let rest = mesh_called(&formats, &source, "rest").ok_or_else(|| {
         let message = "no folder `source` with a mesh called `rest`";
         let hint = "expected source/rest.obj, source/POSE.obj, and TARGET/rest.obj, TARGET/truth-POSE.ply, TARGET/landmarks.json";
-        Mistake::new(Status::MissingInput, message).at(Place::File(folder.into())).hint(hint)
+        Diagnostic::new(Kind::MissingInput, message).at(Location::File(folder.into())).hint(hint)
     })?;
     let mut targets: Vec<PathBuf> = fs::read_dir(folder)
-        .map_err(|error| Mistake::from(Error::read(folder, error)))?
+        .map_err(|error| Diagnostic::from(Error::read(folder, error)))?
         .filter_map(|entry| Some(entry.ok()?.path()))
         .filter(|path| path.is_dir() && *path != source)
         .collect();
@@ -86,7 +85,7 @@ pub fn folder(folder: &Path, markers: &[usize]) -> Result<(Vec<Case>, Vec<String
     if cases.is_empty() {
         let message = format!("no target can be measured: {}", passed.join("; "));
         let hint = "a target is a folder with rest.obj, truth-POSE.ply and landmarks.json";
-        return Err(Mistake::new(Status::MissingInput, message).at(Place::File(folder.into())).hint(hint).into());
+        return Err(Diagnostic::new(Kind::MissingInput, message).at(Location::File(folder.into())).hint(hint).into());
     }
     Ok((cases, passed))
 }

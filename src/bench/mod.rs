@@ -18,9 +18,8 @@ pub use self::{
     table::{csv, markdown, rows},
 };
 use crate::{
-    mistake::{Mistake, Place, Result},
+    diagnostic::{Diagnostic, Kind, Location, Result},
     pipeline::{self, Options, Report, Watch, staging},
-    status::Status,
 };
 
 /// What came of a method on a case.
@@ -33,9 +32,9 @@ pub struct Entry {
     /// The pipeline.
     pub pipeline: PathBuf,
     /// What it did, or why it failed.
-    pub ended: std::result::Result<Box<Report>, Vec<Mistake>>,
+    pub ended: std::result::Result<Box<Report>, Vec<Diagnostic>>,
     /// Poses that failed on their own, of which the figures know nothing.
-    pub failed: Vec<Mistake>,
+    pub failed: Vec<Diagnostic>,
 }
 
 /// What begins every file that is written here, so that no other is replaced.
@@ -52,8 +51,8 @@ pub fn run(case: &Case, method: &Method, folder: &Path, threads: usize, watch: &
     let markers = case.marker_file().map(|(name, text)| (folder.join(name), text));
     if file.exists() && !fs::read_to_string(&file).is_ok_and(|text| text.starts_with(MARK)) {
         let message = "there is a file of that name that `bench-quality` has not written";
-        let mistake = Mistake::new(Status::CannotWrite, message).at(Place::File(file));
-        return Err(mistake.hint("name another folder with `--out`").into());
+        let diagnostic = Diagnostic::new(Kind::CannotWrite, message).at(Location::File(file));
+        return Err(diagnostic.hint("name another folder with `--out`").into());
     }
     let mut staged = Vec::new();
     for (path, text) in markers.into_iter().chain([(file.clone(), case.pipeline(method, &name))]) {
@@ -63,10 +62,10 @@ pub fn run(case: &Case, method: &Method, folder: &Path, threads: usize, watch: &
     // Times are to be those of the work, so nothing is taken from a cache.
     let ended = pipeline::prepare(&file, &Options::default())
         .and_then(|prepared| pipeline::run(&prepared, &[], threads, None, watch))
-        .map_err(|failure| failure.mistakes);
+        .map_err(|failure| failure.diagnostics);
     let (ended, failed) = match ended {
         Ok(outcome) => (Ok(Box::new(outcome.report)), outcome.failed),
-        Err(mistakes) => (Err(mistakes), vec![]),
+        Err(diagnostics) => (Err(diagnostics), vec![]),
     };
     Ok(Entry { case: case.name.clone(), method: method.name, pipeline: file, ended, failed })
 }

@@ -5,7 +5,7 @@ use serde_json::json;
 use super::{Ended, progress::Progress, terminal};
 use crate::{
     bench::{self, Entry, METHODS, Method},
-    mistake::{Mistake, Place},
+    diagnostic::{Diagnostic, Kind, Location},
     pipeline::{Watch, staging, words::did_you_mean},
     status::Status,
     text::table,
@@ -51,8 +51,8 @@ impl BenchQuality {
         let methods = self.methods()?;
         let write = self.table.as_deref().map(table_kind).transpose()?;
         if let Some(table) = self.table.as_deref().filter(|table| table.is_dir()) {
-            let place = Place::Option(format!("--table {}", table.display()));
-            return Err(Mistake::new(Status::CannotWrite, "there is a folder of that name").at(place).into());
+            let place = Location::Option(format!("--table {}", table.display()));
+            return Err(Diagnostic::new(Kind::CannotWrite, "there is a folder of that name").at(place).into());
         }
         let mut cases = if self.folders.is_empty() { bench::samples() } else { vec![] };
         for folder in &self.folders {
@@ -64,7 +64,7 @@ impl BenchQuality {
             for case in of_folder {
                 if cases.iter().any(|other: &bench::Case| other.name == case.name) {
                     let message = format!("{}: there is a target of that name in another folder", case.name);
-                    return Err(Mistake::new(Status::Usage, message).hint("measure the folders one by one").into());
+                    return Err(Diagnostic::new(Kind::Usage, message).hint("measure the folders one by one").into());
                 }
                 cases.push(case);
             }
@@ -72,7 +72,7 @@ impl BenchQuality {
         if !cases.iter().any(|case| methods.iter().any(|method| method.takes(case.components))) {
             let message = "no method named takes any of the targets";
             let hint = "gradient takes targets of one component, multi_component and combined those of several";
-            return Err(Mistake::new(Status::Usage, message).hint(hint).into());
+            return Err(Diagnostic::new(Kind::Usage, message).hint(hint).into());
         }
         let temporary = if self.out.is_none() { Some(tempfile::tempdir().map_err(cannot_make)?) } else { None };
         let folder = self.out.as_deref().or(temporary.as_ref().map(tempfile::TempDir::path)).unwrap_or(Path::new("."));
@@ -84,8 +84,8 @@ impl BenchQuality {
                 let threads = self.threads.map_or(0, usize::from);
                 let entry = bench::run(case, method, folder, threads, &crate::pipeline::Unwatched)?;
                 progress.finish();
-                if let Err(mistakes) = &entry.ended {
-                    mistakes.iter().for_each(terminal::tell_one);
+                if let Err(diagnostics) = &entry.ended {
+                    diagnostics.iter().for_each(terminal::tell_one);
                 }
                 entry.failed.iter().for_each(terminal::tell_one);
                 entries.push(entry);
@@ -104,23 +104,23 @@ impl BenchQuality {
         }
         let whole = entries.iter().all(|entry| entry.ended.is_ok() && entry.failed.is_empty());
         let none = entries.iter().all(|entry| entry.ended.is_err());
-        let mistakes = entries.iter().filter_map(|entry| entry.ended.as_ref().err()).flatten();
+        let diagnostics = entries.iter().filter_map(|entry| entry.ended.as_ref().err()).flatten();
         Ok(match (whole, none) {
             (true, _) => Status::Done,
-            (false, true) => Status::of_all(mistakes.map(|mistake| mistake.status)),
+            (false, true) => Kind::of_all(diagnostics.map(|diagnostic| diagnostic.kind)).into(),
             (false, false) => Status::Partly,
         })
     }
 
-    fn methods(&self) -> crate::mistake::Result<Vec<Method>> {
+    fn methods(&self) -> crate::diagnostic::Result<Vec<Method>> {
         if self.methods.is_empty() {
             return Ok(METHODS.to_vec());
         }
         let known: Vec<&str> = METHODS.iter().map(|method| method.name).collect();
-        let find = |name: &String| -> crate::mistake::Result<Method> {
+        let find = |name: &String| -> crate::diagnostic::Result<Method> {
             METHODS.iter().find(|method| method.name == name).copied().ok_or_else(|| {
                 let hint = did_you_mean(name, &known).unwrap_or_else(|| format!("known methods: {}", known.join(", ")));
-                Mistake::new(Status::Usage, format!("--methods: unknown method `{name}`")).hint(hint).into()
+                Diagnostic::new(Kind::Usage, format!("--methods: unknown method `{name}`")).hint(hint).into()
             })
         };
         let mut methods: Vec<Method> = Vec::new();
@@ -140,31 +140,31 @@ fn marker_count(text: &str) -> std::result::Result<usize, String> {
 }
 
 /// How the table is written into `path`.
-fn table_kind(path: &Path) -> crate::mistake::Result<fn(&[Entry]) -> String> {
+fn table_kind(path: &Path) -> crate::diagnostic::Result<fn(&[Entry]) -> String> {
     let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
     match extension.as_deref() {
         Some("csv") => Ok(bench::csv),
         Some("md") => Ok(bench::markdown),
         _ => {
-            let place = Place::Option(format!("--table {}", path.display()));
-            Err(Mistake::new(Status::Usage, "a table is written as .csv or .md").at(place).into())
+            let place = Location::Option(format!("--table {}", path.display()));
+            Err(Diagnostic::new(Kind::Usage, "a table is written as .csv or .md").at(place).into())
         }
     }
 }
 
-fn cannot_make(error: std::io::Error) -> Mistake {
-    Mistake::new(Status::CannotWrite, format!("no temporary folder can be made: {error}"))
+fn cannot_make(error: std::io::Error) -> Diagnostic {
+    Diagnostic::new(Kind::CannotWrite, format!("no temporary folder can be made: {error}"))
         .hint("name a folder with `--out`")
 }
 
 fn as_json(entry: &Entry) -> serde_json::Value {
-    let (report, mistakes) = match &entry.ended {
+    let (report, diagnostics) = match &entry.ended {
         Ok(report) => (Some(report), vec![]),
-        Err(mistakes) => (None, mistakes.iter().map(Mistake::to_json).collect()),
+        Err(diagnostics) => (None, diagnostics.iter().map(Diagnostic::to_json).collect()),
     };
     json!({
         "case": entry.case, "method": entry.method, "clicks": report.map(|report| report.markers),
         "metrics": report.map(|report| &report.metrics), "verdict": report.and_then(|report| report.verdict),
-        "seconds": report.map(|report| report.seconds), "mistakes": mistakes,
+        "seconds": report.map(|report| report.seconds), "mistakes": diagnostics,
     })
 }

@@ -5,7 +5,7 @@ use serde_json::json;
 use super::{Ended, terminal};
 use crate::text::{bytes, count, pairs};
 use crate::{
-    mistake,
+    diagnostic,
     pipeline::cache::{Cache, DEFAULT_LIMIT},
     status::Status,
 };
@@ -26,7 +26,7 @@ pub struct CacheOptions {
 
 impl CacheOptions {
     /// The cache, unless there is to be none.
-    pub fn open(&self) -> mistake::Result<Option<Cache>> {
+    pub fn open(&self) -> diagnostic::Result<Option<Cache>> {
         if self.no_cache {
             return Ok(None);
         }

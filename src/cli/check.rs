@@ -5,7 +5,7 @@ use serde_json::json;
 use super::{Ended, run::Overrides, terminal};
 use crate::text::{count, pairs};
 use crate::{
-    mistake::Mistake,
+    diagnostic::Diagnostic,
     pipeline::{self, Prepared, check::PoseFrom},
     status::Status,
 };
@@ -31,8 +31,8 @@ impl Check {
     /// Runs the command.
     pub fn run(&self) -> Ended {
         let checked = pipeline::prepare_all(&self.pipeline, &self.overrides.options()).and_then(|all| {
-            let mistakes = if self.poses { wrong_poses(&all) } else { vec![] };
-            if mistakes.is_empty() { Ok(all) } else { Err(crate::mistake::Failure { mistakes }) }
+            let diagnostics = if self.poses { wrong_poses(&all) } else { vec![] };
+            if diagnostics.is_empty() { Ok(all) } else { Err(crate::diagnostic::Diagnostics { diagnostics }) }
         });
         match checked {
             Ok(all) if self.json => {
@@ -51,9 +51,9 @@ impl Check {
                 }
             }
             Err(failure) if self.json => {
-                let mistakes: Vec<_> = failure.mistakes.iter().map(Mistake::to_json).collect();
-                terminal::print_json(&json!({ "ok": false, "mistakes": mistakes }));
-                return Ok(failure.status());
+                let diagnostics: Vec<_> = failure.diagnostics.iter().map(Diagnostic::to_json).collect();
+                terminal::print_json(&json!({ "ok": false, "mistakes": diagnostics }));
+                return Ok(failure.kind().into());
             }
             Err(failure) => return Err(failure),
         }
@@ -84,7 +84,7 @@ fn overview(prepared: &Prepared) -> String {
 }
 
 /// What is wrong with the files of poses, each of which is read once.
-fn wrong_poses(all: &[Prepared]) -> Vec<Mistake> {
+fn wrong_poses(all: &[Prepared]) -> Vec<Diagnostic> {
     let mut seen = HashSet::new();
     let read = |(prepared, pose): (&Prepared, &pipeline::check::PoseInput)| {
         let PoseFrom::File(file) = &pose.from else { return None };

@@ -13,9 +13,9 @@ use crate::{
     core::{
         Error,
         mesh::{Mesh, Surface},
-        stage::Sample,
+        stage::Generator,
     },
-    mistake::{Mistake, Place, Result},
+    diagnostic::{Diagnostic, Kind, Location, Result},
     page::{self, Shown},
     pipeline::{
         Formats, OneOrMany, Report,
@@ -71,7 +71,7 @@ impl Compare {
         if files.len() < 2 {
             let message = format!("{} is the only report, expected two at least", files[0].display());
             let hint = "a run with a matrix or several targets has a report for each combination";
-            return Err(Mistake::new(Status::Usage, message).hint(hint).into());
+            return Err(Diagnostic::new(Kind::Usage, message).hint(hint).into());
         }
         let reports: Vec<Report> = files.iter().map(|file| read(file)).collect::<Result<_>>()?;
         let names = names(&files, &reports);
@@ -81,9 +81,9 @@ impl Compare {
             let identity = resolve::identity(out);
             let of_runs = reports_and_results(&runs, &files);
             if of_runs.iter().any(|path| resolve::identity(path) == identity) {
-                let place = Place::Option(format!("--out {}", out.display()));
-                let mistake = Mistake::new(Status::CannotWrite, "this is what one of the runs wrote").at(place);
-                return Err(mistake.hint("choose another name").into());
+                let location = Location::Option(format!("--out {}", out.display()));
+                let diagnostic = Diagnostic::new(Kind::CannotWrite, "this is what one of the runs wrote").at(location);
+                return Err(diagnostic.hint("choose another name").into());
             }
             for (run, file) in runs.iter_mut().zip(&files) {
                 let (pictures, problems) = draw(&run.report, file);
@@ -113,15 +113,15 @@ fn reports_and_results(runs: &[Shown], files: &[PathBuf]) -> Vec<PathBuf> {
 
 /// That `out` has one of `extensions`, and is no folder.
 pub fn check_out(out: &Path, extensions: &[&str]) -> Result<()> {
-    let place = Place::Option(format!("--out {}", out.display()));
+    let location = Location::Option(format!("--out {}", out.display()));
     let extension = out.extension().map(|extension| extension.to_string_lossy().to_lowercase());
     if !extension.is_some_and(|extension| extensions.contains(&extension.as_str())) {
         let message = format!("expected a .{} file", extensions[0]);
-        return Err(Mistake::new(Status::Usage, message).at(place).into());
+        return Err(Diagnostic::new(Kind::Usage, message).at(location).into());
     }
     if out.is_dir() {
-        let mistake = Mistake::new(Status::CannotWrite, "there is a folder of that name").at(place);
-        return Err(mistake.hint("choose another name").into());
+        let diagnostic = Diagnostic::new(Kind::CannotWrite, "there is a folder of that name").at(location);
+        return Err(diagnostic.hint("choose another name").into());
     }
     Ok(())
 }
@@ -129,8 +129,8 @@ pub fn check_out(out: &Path, extensions: &[&str]) -> Result<()> {
 /// The reports that `pattern` stands for, at least one.
 fn found(pattern: &str) -> Result<Vec<PathBuf>> {
     let expand = |pattern: &str| resolve::expand(Path::new(""), pattern);
-    let mut all =
-        expand(pattern).map_err(|problem| Mistake::new(Status::Usage, format!("`{pattern}` is no glob: {problem}")))?;
+    let mut all = expand(pattern)
+        .map_err(|problem| Diagnostic::new(Kind::Usage, format!("`{pattern}` is no glob: {problem}")))?;
     if resolve::is_glob(pattern) {
         // Folders match a glob too.
         for report in ["run.json", "run-*.json"] {
@@ -149,12 +149,12 @@ fn found(pattern: &str) -> Result<Vec<PathBuf>> {
         Some(missing) => {
             let message = format!("no such file: {}", missing.display());
             let hint = "a run writes its report beside its first result, as `run.json`";
-            Err(Mistake::new(Status::MissingInput, message).hint(hint).into())
+            Err(Diagnostic::new(Kind::MissingInput, message).hint(hint).into())
         }
         None if files.is_empty() => {
             let message = format!("no file matches `{pattern}`");
             let hint = "a run writes its report beside its first result, as `run.json`";
-            Err(Mistake::new(Status::MissingInput, message).hint(hint).into())
+            Err(Diagnostic::new(Kind::MissingInput, message).hint(hint).into())
         }
         None => Ok(files),
     }
@@ -171,10 +171,10 @@ fn in_folder(folder: &Path) -> Vec<PathBuf> {
 }
 
 fn read(file: &Path) -> Result<Report> {
-    let text = std::fs::read_to_string(file).map_err(|error| Mistake::from(Error::read(file, error)))?;
+    let text = std::fs::read_to_string(file).map_err(|error| Diagnostic::from(Error::read(file, error)))?;
     let report = serde_json::from_str(&text).map_err(|error| {
-        Mistake::new(Status::BadData, format!("not the report of a run: {error}"))
-            .at(Place::File(file.into()))
+        Diagnostic::new(Kind::BadData, format!("not the report of a run: {error}"))
+            .at(Location::File(file.into()))
             .hint("give the `run.json` that `mimesh run` writes; one of an older version is made anew by running again")
     })?;
     Ok(report)
@@ -264,8 +264,8 @@ impl Written {
         // The report lies beside the first result, wherever the folder has been moved.
         let then = report.outputs.first().and_then(|first| first.path.parent()).unwrap_or(Path::new(""));
         let now = file.parent().unwrap_or(Path::new(""));
-        let place = |path: &PathBuf| path.strip_prefix(then).map_or_else(|_| path.clone(), |inner| now.join(inner));
-        Self { files: report.outputs.iter().map(|output| (place(&output.path), output.bytes)).collect() }
+        let location = |path: &PathBuf| path.strip_prefix(then).map_or_else(|_| path.clone(), |inner| now.join(inner));
+        Self { files: report.outputs.iter().map(|output| (location(&output.path), output.bytes)).collect() }
     }
 
     /// The file called as `name`, if it is what the run wrote.
@@ -326,9 +326,9 @@ struct Truth {
 
 fn truth(report: &Report, formats: &Formats) -> Option<Truth> {
     let of_role = |role: &'static str| report.inputs.iter().filter(move |input| input.role == role);
-    if let Some(sample) = report.settings["target"].get("sample") {
-        let sample: Box<dyn Sample> = serde_json::from_value(sample.clone()).ok()?;
-        let sequence = sample.make().ok()?;
+    if let Some(generator) = report.settings["target"].get("generator") {
+        let generator: Box<dyn Generator> = serde_json::from_value(generator.clone()).ok()?;
+        let sequence = generator.make().ok()?;
         let poses = sequence.poses.into_iter().map(|pose| (pose.name, pose.positions)).collect();
         return Some(Truth { rest: sequence.rest, poses });
     }

@@ -11,8 +11,8 @@ use serde_json::json;
 use super::{Ended, terminal};
 use crate::{
     core::stage::{ChoiceStep, ChoiceWatch},
+    diagnostic::{Diagnostic, Kind, Location, Result},
     markers::{self, MarkerFile},
-    mistake::{Mistake, Place, Result},
     pipeline::{self, Options, PreparedSource, key_points, staging},
     status::Status,
 };
@@ -124,16 +124,16 @@ impl KeyPoints {
     /// The markers that are there already, if they are to be gone on from.
     fn before(&self, output: &Path) -> Result<MarkerFile> {
         if !is_yaml(output) {
-            let mistake = Mistake::new(Status::Usage, "key points are written as .yaml, which has room for notes");
-            return Err(mistake.at(Place::File(output.into())).hint("give `--output FILE.yaml`").into());
+            let diagnostic = Diagnostic::new(Kind::Usage, "key points are written as .yaml, which has room for notes");
+            return Err(diagnostic.at(Location::File(output.into())).hint("give `--output FILE.yaml`").into());
         }
         if self.resume {
             return if output.is_file() { markers::read(output) } else { Ok(MarkerFile::default()) };
         }
         if output.exists() && !self.force {
-            let mistake = Mistake::new(Status::CannotWrite, "there are markers already");
+            let diagnostic = Diagnostic::new(Kind::CannotWrite, "there are markers already");
             let hint = "`--resume` goes on from them, `--force` replaces them, `--output FILE` writes others";
-            return Err(mistake.at(Place::File(output.into())).hint(hint).into());
+            return Err(diagnostic.at(Location::File(output.into())).hint(hint).into());
         }
         Ok(MarkerFile::default())
     }

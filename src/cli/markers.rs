@@ -11,14 +11,13 @@ use clap::Subcommand;
 use super::{Ended, terminal};
 use crate::{
     core,
+    diagnostic::{Diagnostic, Kind, Location, Result},
     markers::{self, MarkerFile, MarkerFiles, given, points},
-    mistake::{Mistake, Place, Result},
     pipeline::{
         Formats, Options,
         check::{self, in_file},
         staging,
     },
-    status::Status,
 };
 
 /// Brings markers from and to other programs, completes them across a plane, and carries them to edited meshes.
@@ -90,7 +89,7 @@ impl Common {
             _ => {
                 let message = "the meshes of the markers are not given";
                 let hint = "give `--source MESH --target MESH`, or `--pipeline PIPELINE.yaml`";
-                return Err(Mistake::new(Status::Usage, message).hint(hint).into());
+                return Err(Diagnostic::new(Kind::Usage, message).hint(hint).into());
             }
         };
         let (files, out) = match &self.files[..] {
@@ -103,9 +102,9 @@ impl Common {
                     "the file to write is not given"
                 };
                 let hint = "give first the markers, then the file to write, e.g. `mimesh markers convert pairs.cons pairs.yaml`";
-                (of_pipeline.ok_or_else(|| Mistake::new(Status::Usage, message).hint(hint))?, out)
+                (of_pipeline.ok_or_else(|| Diagnostic::new(Kind::Usage, message).hint(hint))?, out)
             }
-            _ => return Err(Mistake::new(Status::Usage, "expected one to three files").into()),
+            _ => return Err(Diagnostic::new(Kind::Usage, "expected one to three files").into()),
         };
         Ok(Loaded { source, target, files, out: out.clone() })
     }
@@ -116,8 +115,8 @@ impl Common {
         let (texts, warnings) = markers::write::write(markers, &loaded.out, source, target)?;
         for (path, _) in &texts {
             if path.exists() && !self.force {
-                let mistake = Mistake::new(Status::CannotWrite, "the file is there already");
-                return Err(mistake.at(Place::File(path.clone())).hint("`--force` replaces it").into());
+                let diagnostic = Diagnostic::new(Kind::CannotWrite, "the file is there already");
+                return Err(diagnostic.at(Location::File(path.clone())).hint("`--force` replaces it").into());
             }
         }
         warnings.iter().for_each(|warning| terminal::warn(warning));
@@ -149,8 +148,9 @@ impl Loaded {
 
 fn read_mesh(file: &Path) -> Result<check::Side> {
     if points::is_one_sided(file) {
-        let mistake = Mistake::new(Status::Usage, "a file of points, expected a mesh").at(Place::File(file.into()));
-        return Err(mistake.hint("files of points come without an option, before the file to write").into());
+        let diagnostic =
+            Diagnostic::new(Kind::Usage, "a file of points, expected a mesh").at(Location::File(file.into()));
+        return Err(diagnostic.hint("files of points come without an option, before the file to write").into());
     }
     let sequence = Formats::new(vec![]).reader_of(file)?.read(file).map_err(|error| in_file(file, error))?;
     Ok(check::Side::new(Some(file.into()), sequence).map_err(|error| in_file(file, error))?)

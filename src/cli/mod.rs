@@ -25,7 +25,7 @@ use std::process::ExitCode;
 
 use clap::{CommandFactory, Parser, Subcommand};
 
-use crate::{mistake, status::Status};
+use crate::{diagnostic, status::Status};
 
 /// Deformation transfer between triangle meshes: a target takes the poses of a source, as a YAML pipeline declares.
 #[derive(Debug, Parser)]
@@ -35,7 +35,7 @@ use crate::{mistake, status::Status};
     max_term_width = 100,
     after_help = "Examples:
   mimesh run pipelines/gallop.yaml        made animals, nothing to download
-  mimesh check horse-to-camel.yaml        find mistakes without computing
+  mimesh check horse-to-camel.yaml        find diagnostics without computing
   mimesh show transfer gradient           settings of a stage
 
 Exit status: 0 done, 1 internal error, 2 usage, 3 a quality gate failed, 4 partly done, 65 bad data,
@@ -101,10 +101,10 @@ pub fn main() -> ExitCode {
         Ok(status) => status.into(),
         Err(failure) => {
             terminal::tell(&failure);
-            failure.status().into()
+            Status::from(failure.kind()).into()
         }
     }
 }
 
 /// What a command ends with.
-type Ended = mistake::Result<Status>;
+type Ended = diagnostic::Result<Status>;

@@ -10,8 +10,8 @@ use crate::{
         Error,
         mesh::{Mesh, Surface, SurfacePoint},
     },
+    diagnostic::{Diagnostic, Kind, Location, Result},
     markers,
-    mistake::{Mistake, Place, Result},
     pipeline::{
         Formats, PictureSettings, Up, ViewFrom,
         check::{in_file, nearby},
@@ -87,9 +87,9 @@ impl Render {
         let meshes = read_all(&formats, &self.meshes)?;
         let taken = meshes.iter().any(|one| resolve::identity(&one.file) == resolve::identity(&self.out));
         if taken {
-            let place = Place::Option(format!("--out {}", self.out.display()));
-            let mistake = Mistake::new(Status::CannotWrite, "this file is read").at(place);
-            return Err(mistake.hint("choose another name").into());
+            let place = Location::Option(format!("--out {}", self.out.display()));
+            let diagnostic = Diagnostic::new(Kind::CannotWrite, "this file is read").at(place);
+            return Err(diagnostic.hint("choose another name").into());
         }
         let truths = if self.truth.is_empty() { vec![] } else { read_all(&formats, &self.truth)? };
         if !truths.is_empty() && truths.len() != meshes.len() {
@@ -98,7 +98,7 @@ impl Render {
                 count(meshes.len(), "mesh", "meshes"),
                 count(truths.len(), "known result", "known results")
             );
-            return Err(Mistake::new(Status::Usage, message).hint("give one known result for each mesh").into());
+            return Err(Diagnostic::new(Kind::Usage, message).hint("give one known result for each mesh").into());
         }
         let columns = self.columns.unwrap_or_else(|| (meshes.len() as f64).sqrt().ceil() as u32).max(1);
         let pixels = meshes.len() as u64 * u64::from(self.size).pow(2);
@@ -108,7 +108,7 @@ impl Render {
                 count(meshes.len(), "mesh", "meshes"),
                 self.size
             );
-            return Err(Mistake::new(Status::Usage, message).hint("draw fewer, or smaller with `--size`").into());
+            return Err(Diagnostic::new(Kind::Usage, message).hint("draw fewer, or smaller with `--size`").into());
         }
         let look: Look = PictureSettings { view: self.view, up: self.up, target_up: None }.into();
         let draw = |(i, one): (usize, &Posed)| -> Result<Cell> {
@@ -145,10 +145,10 @@ fn read_all(formats: &Formats, patterns: &[String]) -> Result<Vec<Posed>> {
     let mut all = Vec::new();
     for pattern in patterns {
         let found = resolve::expand(Path::new(""), pattern)
-            .map_err(|problem| Mistake::new(Status::Usage, format!("`{pattern}` is no glob: {problem}")))?;
+            .map_err(|problem| Diagnostic::new(Kind::Usage, format!("`{pattern}` is no glob: {problem}")))?;
         if found.is_empty() {
             let message = format!("no file matches `{pattern}`");
-            return Err(Mistake::new(Status::MissingInput, message).hint(nearby(Path::new(pattern))).into());
+            return Err(Diagnostic::new(Kind::MissingInput, message).hint(nearby(Path::new(pattern))).into());
         }
         for file in found {
             let path = file.path;

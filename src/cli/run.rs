@@ -6,7 +6,7 @@ use std::{
 
 use super::{cache::CacheOptions, progress::Progress, summary, terminal};
 use crate::{
-    mistake::{Mistake, Place, Result},
+    diagnostic::{Diagnostic, Kind, Location, Result},
     pipeline::{
         self, Options, Outcome, Prepared, Watch,
         cache::Cache,
@@ -96,10 +96,10 @@ impl Run {
                 // What is wrong with a single run is told as ever.
                 Err(failure) if !several => return Err(failure),
                 Err(failure) => {
-                    let of_run = |mistake: Mistake| mistake.doing(&prepared.variant.name);
-                    let mistakes: Vec<_> = failure.mistakes.into_iter().map(of_run).collect();
-                    mistakes.iter().for_each(terminal::tell_one);
-                    Ended::Failed(mistakes)
+                    let of_run = |diagnostic: Diagnostic| diagnostic.doing(&prepared.variant.name);
+                    let diagnostics: Vec<_> = failure.diagnostics.into_iter().map(of_run).collect();
+                    diagnostics.iter().for_each(terminal::tell_one);
+                    Ended::Failed(diagnostics)
                 }
                 Ok(outcome) => {
                     outcome.failed.iter().for_each(terminal::tell_one);
@@ -160,13 +160,13 @@ impl Run {
 /// How all runs ended together: with a broken gate if any has one and nothing failed; partly done if any of several gave results and not all did.
 fn status(results: &Results) -> Status {
     let failed = results.rows.iter().filter_map(|row| match &row.ended {
-        Ended::Failed(mistakes) => Some(mistakes),
+        Ended::Failed(diagnostics) => Some(diagnostics),
         Ended::Report(_) => None,
     });
     match results.status() {
         "done" => Status::Done,
         "gate" => Status::Gate,
-        "failed" => Status::of_all(failed.flatten().map(|mistake| mistake.status)),
+        "failed" => Kind::of_all(failed.flatten().map(|diagnostic| diagnostic.kind)).into(),
         _ => Status::Partly,
     }
 }
@@ -185,8 +185,8 @@ impl<'a> Table<'a> {
             Some("md") => Results::markdown,
             _ => {
                 let message = "a table is written as .csv or .md";
-                let place = Place::Option(format!("--table {}", file.display()));
-                return Err(Mistake::new(Status::Usage, message).at(place).hint("e.g. `--table results.csv`").into());
+                let place = Location::Option(format!("--table {}", file.display()));
+                return Err(Diagnostic::new(Kind::Usage, message).at(place).hint("e.g. `--table results.csv`").into());
             }
         };
         Ok(Self { file, text })
@@ -200,9 +200,9 @@ impl<'a> Table<'a> {
             one.inputs.iter().any(|input| is_it(&input.path)) || one.outputs.places().into_iter().any(is_it)
         });
         if taken || self.file.is_dir() {
-            let place = Place::Option(format!("--table {}", self.file.display()));
+            let place = Location::Option(format!("--table {}", self.file.display()));
             let message = if taken { "a run reads or writes this file" } else { "there is a folder of that name" };
-            return Err(Mistake::new(Status::CannotWrite, message).at(place).hint("choose another name").into());
+            return Err(Diagnostic::new(Kind::CannotWrite, message).at(place).hint("choose another name").into());
         }
         Ok(())
     }

@@ -7,7 +7,7 @@ use super::{Ended, summary::scores, terminal};
 use crate::text::count;
 use crate::{
     core::mesh::{Mesh, MeshSequence, Surface, diagonal},
-    mistake::{Mistake, Result},
+    diagnostic::{Diagnostic, Kind, Result},
     pipeline::{
         Formats,
         check::{in_file, nearby},
@@ -61,7 +61,7 @@ impl Score {
             let results = count(results.len(), "result", "results");
             let message = format!("{results}, but {}", count(truths.len(), "known result", "known results"));
             let hint = "both are taken in natural order, one against the other; give globs that match as many files";
-            return Err(Mistake::new(Status::Usage, message).hint(hint).into());
+            return Err(Diagnostic::new(Kind::Usage, message).hint(hint).into());
         }
         let rest = match &self.rest {
             Some(file) => read(&formats, file)?.rest,
@@ -74,7 +74,7 @@ impl Score {
             if found != expected {
                 let message = format!("{file} has {}, {of} {expected}", count(found, "vertex", "vertices"));
                 let hint = "results, known results and the rest mesh are one mesh in several poses";
-                return Err(Mistake::new(Status::BadData, message).hint(hint).into());
+                return Err(Diagnostic::new(Kind::BadData, message).hint(hint).into());
             }
         }
         let surface = Surface::new(&rest)?;
@@ -96,7 +96,7 @@ impl Score {
                 let known = summary["average"].as_object().into_iter().flatten().map(|(figure, _)| figure.as_str());
                 let hint = format!("known figures: {}", known.collect::<Vec<_>>().join(", "));
                 let message = format!("--at-most: there is no figure `{figure}`");
-                return Err(Mistake::new(Status::Usage, message).hint(hint).into());
+                return Err(Diagnostic::new(Kind::Usage, message).hint(hint).into());
             }
         }
         if self.json {
@@ -131,7 +131,7 @@ impl Score {
         };
         let wrong = |text: &String| {
             let message = format!("--at-most {text}: expected `figure=percent`");
-            Mistake::new(Status::Usage, message).hint("e.g. `--at-most rms=1.5`").into()
+            Diagnostic::new(Kind::Usage, message).hint("e.g. `--at-most rms=1.5`").into()
         };
         self.at_most.iter().map(|text| limit(text).ok_or_else(|| wrong(text))).collect()
     }
@@ -140,10 +140,10 @@ impl Score {
 /// The positions in all files of `pattern`: of the poses that a file holds, else of its mesh.
 fn read_all(formats: &Formats, pattern: &str) -> Result<Vec<Posed>> {
     let found = resolve::expand(Path::new(""), pattern)
-        .map_err(|problem| Mistake::new(Status::Usage, format!("`{pattern}` is no glob: {problem}")))?;
+        .map_err(|problem| Diagnostic::new(Kind::Usage, format!("`{pattern}` is no glob: {problem}")))?;
     if found.is_empty() {
         let message = format!("no file matches `{pattern}`");
-        return Err(Mistake::new(Status::MissingInput, message).hint(nearby(Path::new(pattern))).into());
+        return Err(Diagnostic::new(Kind::MissingInput, message).hint(nearby(Path::new(pattern))).into());
     }
     let mut all = Vec::new();
     for Found { path, name } in found {

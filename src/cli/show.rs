@@ -1,10 +1,11 @@
 use serde_json::{Map, Value, json};
 
 use super::{Ended, list::description, terminal};
+use crate::diagnostic::Kind;
 use crate::text::pairs;
 use crate::{
     core::{Plugin, plugin, stage::Metric},
-    mistake::Mistake,
+    diagnostic::Diagnostic,
     pipeline::{
         choices, described_choices, range, settings_schema,
         words::{did_you_mean, unknown_type},
@@ -43,19 +44,19 @@ impl Show {
         Ok(Status::Done)
     }
 
-    fn find(&self) -> crate::mistake::Result<&'static Plugin> {
+    fn find(&self) -> crate::diagnostic::Result<&'static Plugin> {
         known_stage(&self.stage)?;
         let all = plugin::all();
         let found = all.into_iter().find(|plugin| plugin.stage == self.stage && (plugin.name)() == self.name);
         found.ok_or_else(|| {
             let told = unknown_type(&self.stage, &self.name);
-            Mistake::new(Status::Usage, told.message).hint(told.hint).into()
+            Diagnostic::new(Kind::Usage, told.message).hint(told.hint).into()
         })
     }
 }
 
 /// That there is a stage called `stage`.
-pub fn known_stage(stage: &str) -> crate::mistake::Result<()> {
+pub fn known_stage(stage: &str) -> crate::diagnostic::Result<()> {
     let mut stages: Vec<_> = plugin::all().iter().map(|plugin| plugin.stage).collect();
     stages.dedup();
     if stages.contains(&stage) {
@@ -63,7 +64,7 @@ pub fn known_stage(stage: &str) -> crate::mistake::Result<()> {
     }
     let known = || format!("stages: {}", stages.join(", "));
     let hint = did_you_mean(stage, &stages).unwrap_or_else(known);
-    Err(Mistake::new(Status::Usage, format!("unknown stage `{stage}`")).hint(hint).into())
+    Err(Diagnostic::new(Kind::Usage, format!("unknown stage `{stage}`")).hint(hint).into())
 }
 
 fn page(plugin: &Plugin, schema: &Value, defaults: &Value) -> String {
@@ -193,7 +194,7 @@ fn example(stage: &str, name: &str, needed: &[&str], defaults: Option<&Map<Strin
     }));
     match stage {
         "metric" | "format" => format!("  {stage}s:\n    - {}\n", lines.join("\n      ")),
-        "sample" => format!("  source:\n    sample:\n      {}\n", lines.join("\n      ")),
+        "generator" => format!("  source:\n    generator:\n      {}\n", lines.join("\n      ")),
         _ => format!("  {stage}:\n    {}\n", lines.join("\n    ")),
     }
 }

@@ -4,7 +4,7 @@ use std::io::{self, IsTerminal, Write};
 
 use serde::Serialize;
 
-use crate::mistake::{Failure, Mistake};
+use crate::diagnostic::{Diagnostic, Diagnostics};
 
 /// Prints to stdout; a reader that has gone away (`| head`) is no error.
 pub fn print(text: &str) {
@@ -22,9 +22,9 @@ pub fn print_json(value: &impl Serialize) {
 const MOST_MISTAKES: usize = 100;
 
 /// Tells on stderr what went wrong.
-pub fn tell(failure: &Failure) {
-    failure.mistakes.iter().take(MOST_MISTAKES).for_each(tell_one);
-    match failure.mistakes.len() {
+pub fn tell(failure: &Diagnostics) {
+    failure.diagnostics.iter().take(MOST_MISTAKES).for_each(tell_one);
+    match failure.diagnostics.len() {
         0 | 1 => {}
         count if count <= MOST_MISTAKES => {
             let _ = writeln!(io::stderr(), "{count} mistakes");
@@ -36,8 +36,8 @@ pub fn tell(failure: &Failure) {
 }
 
 /// Tells one mistake on stderr.
-pub fn tell_one(mistake: &Mistake) {
-    let _ = writeln!(io::stderr(), "{}: {mistake}", coloured("error", "31"));
+pub fn tell_one(diagnostic: &Diagnostic) {
+    let _ = writeln!(io::stderr(), "{}: {diagnostic}", coloured("error", "31"));
 }
 
 /// Tells on stderr what looks wrong.

@@ -12,8 +12,8 @@ use crate::{
         mesh::{SurfacePoint, bounding_box},
         spatial::ClosestPoint,
     },
-    mistake::{Failure, Mistake, Result},
-    status::Status,
+    diagnostic::Kind,
+    diagnostic::{Diagnostic, Diagnostics, Result},
 };
 
 /// Points farther off the surface than this, relative to the diagonal, are refused.
@@ -140,18 +140,19 @@ pub fn attach(file: &PointFile, attacher: &Attacher<'_>, usual: Usual) -> Result
     let mut given = Vec::new();
     for (i, point) in file.points.iter().enumerate() {
         let label = format!("point {}", label(i, point));
-        let mut add = |point: SurfacePoint, place| given.push(indices::Given { label: label.clone(), point, place });
-        let place = Some(point.place.clone());
+        let mut add =
+            |point: SurfacePoint, location| given.push(indices::Given { label: label.clone(), point, location });
+        let location = Some(point.location.clone());
         match &point.spot {
-            Spot::Vertex(vertex) => add(SurfacePoint::Vertex(*vertex), place),
-            Spot::Vertices(vertices) => vertices.iter().for_each(|v| add(SurfacePoint::Vertex(*v), place.clone())),
-            Spot::Triangle(triangle, barycentric) => add(SurfacePoint::Triangle(*triangle, *barycentric), place),
+            Spot::Vertex(vertex) => add(SurfacePoint::Vertex(*vertex), location),
+            Spot::Vertices(vertices) => vertices.iter().for_each(|v| add(SurfacePoint::Vertex(*v), location.clone())),
+            Spot::Triangle(triangle, barycentric) => add(SurfacePoint::Triangle(*triangle, *barycentric), location),
             Spot::Position(_) => {}
         }
     }
-    let mut mistakes = indices::check(side, &given);
-    if !mistakes.is_empty() {
-        return Err(Failure { mistakes });
+    let mut diagnostics = indices::check(side, &given);
+    if !diagnostics.is_empty() {
+        return Err(Diagnostics { diagnostics });
     }
     let attached: Vec<Attached> = file
         .points
@@ -165,8 +166,8 @@ pub fn attach(file: &PointFile, attacher: &Attacher<'_>, usual: Usual) -> Result
             Spot::Position(position) => attacher.attach(&usual.apply(position)),
         })
         .collect();
-    mistakes.extend(far(file, attacher, &attached, usual));
-    if mistakes.is_empty() { Ok(attached) } else { Err(Failure { mistakes }) }
+    diagnostics.extend(far(file, attacher, &attached, usual));
+    if diagnostics.is_empty() { Ok(attached) } else { Err(Diagnostics { diagnostics }) }
 }
 
 /// The points of `file` that are given by position.
@@ -175,8 +176,8 @@ pub fn positions(file: &PointFile) -> Vec<Point3<f64>> {
     file.points.iter().filter_map(position).collect()
 }
 
-/// That points lie too far off the surface: one mistake for all, at the first.
-fn far(file: &PointFile, attacher: &Attacher<'_>, attached: &[Attached], usual: Usual) -> Option<Mistake> {
+/// That points lie too far off the surface: one diagnostic for all, at the first.
+fn far(file: &PointFile, attacher: &Attacher<'_>, attached: &[Attached], usual: Usual) -> Option<Diagnostic> {
     let far: Vec<usize> = (0..attached.len()).filter(|&i| is_far(attached[i].distance)).collect();
     let first = *far.first()?;
     let positions: Vec<_> = positions(file).iter().map(|position| usual.apply(position)).collect();
@@ -208,7 +209,7 @@ fn far(file: &PointFile, attacher: &Attacher<'_>, attached: &[Attached], usual: 
         }
         None => "pick these points again on the surface, or remove them".into(),
     };
-    Some(Mistake::new(Status::BadData, message).at(file.points[first].place.clone()).hint(hint))
+    Some(Diagnostic::new(Kind::BadData, message).at(file.points[first].location.clone()).hint(hint))
 }
 
 /// Whether a distance, relative to the diagonal, is more than is right; one that is no number is.

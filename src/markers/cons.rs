@@ -8,8 +8,8 @@ use super::{
 };
 use crate::{
     core::mesh::SurfacePoint,
-    mistake::{Failure, Mistake, Place, Result},
-    status::Status,
+    diagnostic::Kind,
+    diagnostic::{Diagnostic, Diagnostics, Location, Result},
 };
 
 /// Parses the text of `file`; blank lines are passed over.
@@ -18,8 +18,8 @@ use crate::{
 ///
 /// All lines that are not understood, or a count that is not that of the pairs.
 pub fn parse(file: &Path, text: &str) -> Result<MarkerFile> {
-    let mut mistakes = Vec::new();
-    let place = |line: usize| Place::Line { file: file.into(), line };
+    let mut diagnostics = Vec::new();
+    let location = |line: usize| Location::Line { file: file.into(), line };
     let mut lines = without_mark(text)
         .lines()
         .enumerate()
@@ -34,7 +34,7 @@ pub fn parse(file: &Path, text: &str) -> Result<MarkerFile> {
             Ok(_) => format!("the count is missing: put a line `{}` before this one", 1 + lines.clone().count()),
             Err(_) => "the first line of a .cons is the number of pairs that follow".into(),
         };
-        mistakes.push(Mistake::new(Status::BadData, message).at(place(first)).hint(hint));
+        diagnostics.push(Diagnostic::new(Kind::BadData, message).at(location(first)).hint(hint));
     }
     let mut entries = Vec::new();
     let mut pairs = 0;
@@ -43,11 +43,11 @@ pub fn parse(file: &Path, text: &str) -> Result<MarkerFile> {
         match pair(text) {
             Ok([source, target]) => {
                 let vertex = SurfacePoint::Vertex;
-                entries.push(Entry { place: Some(place(line)), ..Entry::new(vertex(source), vertex(target)) });
+                entries.push(Entry { location: Some(location(line)), ..Entry::new(vertex(source), vertex(target)) });
             }
-            Err(hint) => mistakes.push(
-                Mistake::new(Status::BadData, format!("expected `source, target`, found `{}`", shorten(text)))
-                    .at(place(line))
+            Err(hint) => diagnostics.push(
+                Diagnostic::new(Kind::BadData, format!("expected `source, target`, found `{}`", shorten(text)))
+                    .at(location(line))
                     .hint(hint),
             ),
         }
@@ -55,9 +55,13 @@ pub fn parse(file: &Path, text: &str) -> Result<MarkerFile> {
     if let Some(count) = count.filter(|count| *count != pairs) {
         let message = format!("the first line says {count} pairs, found {pairs}");
         let hint = "correct the count, or find the pairs that are missing";
-        mistakes.push(Mistake::new(Status::BadData, message).at(place(first)).hint(hint));
+        diagnostics.push(Diagnostic::new(Kind::BadData, message).at(location(first)).hint(hint));
     }
-    if mistakes.is_empty() { Ok(MarkerFile { entries, ..MarkerFile::default() }) } else { Err(Failure { mistakes }) }
+    if diagnostics.is_empty() {
+        Ok(MarkerFile { entries, ..MarkerFile::default() })
+    } else {
+        Err(Diagnostics { diagnostics })
+    }
 }
 
 /// The text of a file with `pairs` of vertices, which [`parse`] reads back.
@@ -119,7 +123,7 @@ mod tests {
         let points: Vec<_> = file.entries.iter().map(|e| (e.source, e.target)).collect();
         let vertex = SurfacePoint::Vertex;
         assert_eq!(points, [(vertex(750), Some(vertex(3386))), (vertex(524), Some(vertex(3737)))]);
-        assert_eq!(file.entries[1].place, Some(Place::Line { file: "m.cons".into(), line: 4 }));
+        assert_eq!(file.entries[1].location, Some(Location::Line { file: "m.cons".into(), line: 4 }));
     }
 
     #[test]
@@ -139,7 +143,7 @@ mod tests {
 
     #[test]
     fn usual_slips_have_their_own_way_out() {
-        let hint = |text: &str| read(text).unwrap_err().mistakes[0].hint.clone().unwrap();
+        let hint = |text: &str| read(text).unwrap_err().diagnostics[0].hint.clone().unwrap();
         assert_eq!(hint("1, 2\n3, 4\n"), "the count is missing: put a line `2` before this one");
         assert_eq!(hint("1\n1, 2,\n"), "remove the `,` at the end of the line");
         for text in ["1\n1;2", "1\n1:2", "1\n(1, 2)", "1\n1,,2", "1\n1 => 2"] {

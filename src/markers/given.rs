@@ -11,9 +11,9 @@ use super::{
     usual::{self, Usual},
 };
 use crate::{
-    mistake::{Failure, Mistake, Place, Result},
+    diagnostic::Kind,
+    diagnostic::{Diagnostic, Diagnostics, Location, Result},
     pipeline::words::did_you_mean,
-    status::Status,
 };
 
 /// What files of markers say, before the meshes are looked at.
@@ -51,7 +51,7 @@ pub fn read(files: &MarkerFiles) -> Result<Given> {
             (Ok(source), Ok(target)) => Ok(Given::Sides([source, target])),
             (source, target) => {
                 let failures = [source.err(), target.err()].into_iter().flatten();
-                Err(Failure { mistakes: failures.flat_map(|failure| failure.mistakes).collect() })
+                Err(Diagnostics { diagnostics: failures.flat_map(|failure| failure.diagnostics).collect() })
             }
         },
     }
@@ -71,7 +71,7 @@ impl Given {
         let mut result = OnMeshes::default();
         result.warnings.extend(files.iter().flat_map(|file| file.warnings.clone()));
         let attachers = [Attacher::new(source)?, Attacher::new(target)?];
-        let mut mistakes = Vec::new();
+        let mut diagnostics = Vec::new();
         let mut attached: [Vec<Attached>; 2] = [vec![], vec![]];
         for k in 0..2 {
             let positions = attach::positions(&files[k]);
@@ -79,22 +79,23 @@ impl Given {
             result.usual[k] = usual.filter(|usual| *usual != Usual::NOTHING);
             match attach::attach(&files[k], &attachers[k], usual.unwrap_or(Usual::NOTHING)) {
                 Ok(points) => attached[k] = points,
-                Err(failure) => mistakes.extend(failure.mistakes),
+                Err(failure) => diagnostics.extend(failure.diagnostics),
             }
             let by_position = files[k].points.iter().enumerate().zip(&attached[k]);
             let by_position = by_position.filter(|((_, point), _)| matches!(point.spot, Spot::Position(_)));
             result.distances[k] = by_position.map(|((i, point), a)| (attach::label(i, point), a.distance)).collect();
         }
-        if !mistakes.is_empty() {
-            return Err(exchanged(&files, [&attachers[1], &attachers[0]]).map_or(Failure { mistakes }, Failure::from));
+        if !diagnostics.is_empty() {
+            return Err(exchanged(&files, [&attachers[1], &attachers[0]])
+                .map_or(Diagnostics { diagnostics }, Diagnostics::from));
         }
         let pairs = pair(&files, &mut result.warnings)?;
         let entry = |[s, t]: [usize; 2]| {
             let points = [attached[0][s].point, attached[1][t].point];
             let at: [Option<Point3<f64>>; 2] = [0, 1].map(|k| Some(attachers[k].position(points[k])));
             let name = files[0].points[s].name.clone().or_else(|| files[1].points[t].name.clone());
-            let place = Some(files[0].points[s].place.clone());
-            Entry { name, at, place, ..Entry::new(points[0], points[1]) }
+            let location = Some(files[0].points[s].location.clone());
+            Entry { name, at, location, ..Entry::new(points[0], points[1]) }
         };
         result.markers.entries = pairs.into_iter().map(entry).collect();
         Ok(result)
@@ -148,7 +149,7 @@ pub fn remember(
 }
 
 /// That the two files fit with source and target exchanged, where they do not fit as they are.
-fn exchanged(files: &[PointFile; 2], others: [&Attacher<'_>; 2]) -> Option<Mistake> {
+fn exchanged(files: &[PointFile; 2], others: [&Attacher<'_>; 2]) -> Option<Diagnostic> {
     let fits = |k: usize| attach::attach(&files[k], others[k], Usual::NOTHING).is_ok();
     if !(fits(0) && fits(1)) {
         return None;
@@ -159,8 +160,8 @@ fn exchanged(files: &[PointFile; 2], others: [&Attacher<'_>; 2]) -> Option<Mista
         files[1].file.display()
     );
     Some(
-        Mistake::new(Status::BadData, message)
-            .at(Place::File(files[0].file.clone()))
+        Diagnostic::new(Kind::BadData, message)
+            .at(Location::File(files[0].file.clone()))
             .hint("exchange the two files, or `source` and `target`"),
     )
 }
@@ -170,8 +171,8 @@ fn pair(files: &[PointFile; 2], warnings: &mut Vec<String>) -> Result<Vec<[usize
     let [source, target] = files;
     let by_name: HashMap<&str, usize> =
         target.points.iter().enumerate().filter_map(|(i, point)| Some((point.name.as_deref()?, i))).collect();
-    if let Some(mistake) = files.iter().find_map(twice) {
-        return Err(mistake.into());
+    if let Some(diagnostic) = files.iter().find_map(twice) {
+        return Err(diagnostic.into());
     }
     let partner = |(i, point): (usize, &points::NamedPoint)| Some([i, *by_name.get(point.name.as_deref()?)?]);
     let pairs: Vec<[usize; 2]> = source.points.iter().enumerate().filter_map(partner).collect();
@@ -186,7 +187,10 @@ fn pair(files: &[PointFile; 2], warnings: &mut Vec<String>) -> Result<Vec<[usize
                 counts[1]
             );
             let hint = "call partners alike, or bring as many points in the same order";
-            return Err(Mistake::new(Status::BadData, message).at(Place::File(source.file.clone())).hint(hint).into());
+            return Err(Diagnostic::new(Kind::BadData, message)
+                .at(Location::File(source.file.clone()))
+                .hint(hint)
+                .into());
         }
         if files.iter().all(|file| file.points.iter().any(|point| point.name.is_some())) {
             warnings.push(format!(
@@ -222,10 +226,10 @@ fn pair(files: &[PointFile; 2], warnings: &mut Vec<String>) -> Result<Vec<[usize
 }
 
 /// That two points of a file have one name, which not every notation rules out.
-fn twice(file: &PointFile) -> Option<Mistake> {
+fn twice(file: &PointFile) -> Option<Diagnostic> {
     let mut seen = std::collections::HashSet::new();
     let second = file.points.iter().find(|point| point.name.as_ref().is_some_and(|name| !seen.insert(name)))?;
     let name = second.name.as_deref().unwrap_or_default();
     let message = format!("another point is called {name}");
-    Some(Mistake::new(Status::BadData, message).at(second.place.clone()).hint("give each its own name"))
+    Some(Diagnostic::new(Kind::BadData, message).at(second.location.clone()).hint("give each its own name"))
 }

@@ -3,8 +3,8 @@
 use super::Side;
 use crate::{
     core::mesh::SurfacePoint,
-    mistake::{Mistake, Place},
-    status::Status,
+    diagnostic::Kind,
+    diagnostic::{Diagnostic, Location},
 };
 
 /// A point given by number.
@@ -15,21 +15,21 @@ pub(super) struct Given {
     /// The numbers.
     pub point: SurfacePoint,
     /// Where it stands.
-    pub place: Option<Place>,
+    pub location: Option<Location>,
 }
 
 impl Given {
-    fn mistake(&self, message: String) -> Mistake {
-        let mistake = Mistake::new(Status::BadData, message);
-        match &self.place {
-            Some(place) => mistake.at(place.clone()),
-            None => mistake,
+    fn diagnostic(&self, message: String) -> Diagnostic {
+        let diagnostic = Diagnostic::new(Kind::BadData, message);
+        match &self.location {
+            Some(location) => diagnostic.at(location.clone()),
+            None => diagnostic,
         }
     }
 }
 
-/// What is wrong with the numbers of `points` on the mesh `side`: one mistake if all have one cause, else one each.
-pub(super) fn check(side: Side<'_>, points: &[Given]) -> Vec<Mistake> {
+/// What is wrong with the numbers of `points` on the mesh `side`: one diagnostic if all have one cause, else one each.
+pub(super) fn check(side: Side<'_>, points: &[Given]) -> Vec<Diagnostic> {
     let wrong: Vec<(&Given, String)> =
         points.iter().filter_map(|given| Some((given, on_surface(side, given.point).err()?))).collect();
     let Some((first, told)) = wrong.first() else { return vec![] };
@@ -48,7 +48,7 @@ pub(super) fn check(side: Side<'_>, points: &[Given]) -> Vec<Mistake> {
         let hint = format!(
             "subtract 1 from each number of the {name}, or let `mimesh markers convert --from-one {name}` do it"
         );
-        return vec![first.mistake(message).hint(hint)];
+        return vec![first.diagnostic(message).hint(hint)];
     }
     let triangles = side.surface.triangle_count();
     if wrong.len() > 1 && wrong.iter().all(|(given, _)| vertex(given).is_some()) && vertices().all(|v| v < triangles) {
@@ -57,10 +57,10 @@ pub(super) fn check(side: Side<'_>, points: &[Given]) -> Vec<Mistake> {
             first.label
         );
         let hint = "give vertices, or in a .yaml places on triangles: `{ triangle: 12, barycentric: [0.2, 0.3, 0.5] }`";
-        return vec![first.mistake(message).hint(hint)];
+        return vec![first.diagnostic(message).hint(hint)];
     }
     let hint = "vertices and triangles count from 0; were source and target swapped, or has the mesh changed since?";
-    wrong.into_iter().map(|(given, told)| given.mistake(format!("{}: {told}", given.label)).hint(hint)).collect()
+    wrong.into_iter().map(|(given, told)| given.diagnostic(format!("{}: {told}", given.label)).hint(hint)).collect()
 }
 
 /// The point of the surface for a point of the mesh.

@@ -21,7 +21,7 @@ use super::{
 };
 use crate::{
     core::mesh::SurfacePoint,
-    mistake::{Failure, Mistake, Place, Result},
+    diagnostic::{Diagnostic, Diagnostics, Location, Result},
 };
 
 /// Keys of a map that holds the points one level down.
@@ -39,8 +39,8 @@ const BARYCENTRICS: [&str; 6] = ["barycentric", "barycentrics", "bary", "uv", "u
 ///
 /// All that is wrong, each with its line.
 pub fn parse(file: &Path, text: &str) -> Result<PointFile> {
-    let place = |line: usize| Place::Line { file: file.into(), line };
-    let mut root = json_tree::parse(text).map_err(|(line, wrong)| Failure::from(wrong.at(place(line))))?;
+    let location = |line: usize| Location::Line { file: file.into(), line };
+    let mut root = json_tree::parse(text).map_err(|(line, wrong)| Diagnostics::from(wrong.at(location(line))))?;
     if let Value::Map(map) = &mut root.value
         && let Some(at) = map.iter().position(|(key, node)| WRAPPERS.contains(&plain(key).as_str()) && holds(node))
     {
@@ -52,12 +52,12 @@ pub fn parse(file: &Path, text: &str) -> Result<PointFile> {
         _ => {
             let message = format!("expected a list or a map of points, found {}", root.found());
             return Err(Wrong { message, hint: "e.g. `{\"nose\": [0.1, 0.2, 0.3]}`".into() }
-                .at(place(root.line))
+                .at(location(root.line))
                 .into());
         }
     };
     let meaning = Meaning::of(items.iter().map(|(_, node)| node));
-    let mut mistakes: Vec<Mistake> = Vec::new();
+    let mut diagnostics: Vec<Diagnostic> = Vec::new();
     let mut result = PointFile { file: file.into(), ..PointFile::default() };
     let mut seen = std::collections::HashMap::new();
     for (key, node) in items {
@@ -66,14 +66,14 @@ pub fn parse(file: &Path, text: &str) -> Result<PointFile> {
                 let first = name.clone().and_then(|name| seen.insert(name, node.line));
                 if let (Some(name), Some(first)) = (&name, first) {
                     let message = format!("another point is called {name} (line {first})");
-                    mistakes.push(Wrong { message, hint: "give each its own name".into() }.at(place(node.line)));
+                    diagnostics.push(Wrong { message, hint: "give each its own name".into() }.at(location(node.line)));
                 }
-                result.points.push(NamedPoint { name, spot, place: place(node.line) });
+                result.points.push(NamedPoint { name, spot, location: location(node.line) });
             }
-            Err(wrong) => mistakes.push(wrong.at(place(node.line))),
+            Err(wrong) => diagnostics.push(wrong.at(location(node.line))),
         }
     }
-    if mistakes.is_empty() { Ok(result) } else { Err(Failure { mistakes }) }
+    if diagnostics.is_empty() { Ok(result) } else { Err(Diagnostics { diagnostics }) }
 }
 
 /// The text of a file with `points`: name, position, and the vertex or the place on a triangle.

@@ -10,7 +10,7 @@ use super::{
     Entry, MarkerFile, Side,
     attach::{Attached, Attacher, FARTHEST},
 };
-use crate::{core::mesh::bounding_box, mistake::Result};
+use crate::{core::mesh::bounding_box, diagnostic::Result};
 
 /// Points nearer to the plane than this, relative to the diagonal, lie on it; and partners are so near to mirror images.
 const NEAR: f64 = 0.01;

@@ -38,8 +38,8 @@ pub use one_side::points_on;
 
 use crate::{
     core::mesh::{Mesh, MeshSequence, Surface, SurfacePoint},
-    mistake::{Mistake, Place, Result},
-    status::Status,
+    diagnostic::Kind,
+    diagnostic::{Diagnostic, Location, Result},
 };
 
 /// What a file of markers says.
@@ -78,7 +78,7 @@ pub struct Entry {
     /// Where the two points were when they were made, source and target: what they are found by after a mesh was edited.
     pub at: [Option<Point3<f64>>; 2],
     /// Where the pair stands in its file.
-    pub place: Option<Place>,
+    pub location: Option<Location>,
 }
 
 /// One of the two meshes, as far as markers need it.
@@ -105,13 +105,13 @@ pub fn read(path: &Path) -> Result<MarkerFile> {
             let name = path.file_name().unwrap_or_default().to_string_lossy();
             let message =
                 format!("a .{} holds the points of one mesh only", points::extension(path).unwrap_or_default());
-            Err(Mistake::new(Status::BadPipeline, message)
-                .at(Place::File(path.into()))
+            Err(Diagnostic::new(Kind::BadPipeline, message)
+                .at(Location::File(path.into()))
                 .hint(format!("name a file for each side: `markers: {{ source: {name}, target: … }}`"))
                 .into())
         }
-        _ => Err(Mistake::new(Status::BadPipeline, "not a file of markers: expected .cons or .yaml")
-            .at(Place::File(path.into()))
+        _ => Err(Diagnostic::new(Kind::BadPipeline, "not a file of markers: expected .cons or .yaml")
+            .at(Location::File(path.into()))
             .hint("a .cons has the count in its first line, then `source, target` a line")
             .into()),
     }
@@ -128,7 +128,7 @@ pub fn from_landmarks(source: &MeshSequence, target: &MeshSequence) -> MarkerFil
             target: Some(target),
             note: None,
             at: [None; 2],
-            place: None,
+            location: None,
         })
     };
     MarkerFile { entries: source.landmarks.iter().filter_map(pair).collect(), ..MarkerFile::default() }
@@ -160,7 +160,7 @@ impl MeshReference {
 impl Entry {
     /// A pair of points and nothing else.
     pub fn new(source: SurfacePoint, target: SurfacePoint) -> Self {
-        Self { name: None, source, target: Some(target), note: None, at: [None; 2], place: None }
+        Self { name: None, source, target: Some(target), note: None, at: [None; 2], location: None }
     }
 
     /// The point on the side `source` or `target`.
@@ -168,11 +168,11 @@ impl Entry {
         if side == "source" { Some(self.source) } else { self.target }
     }
 
-    fn mistake(&self, message: String) -> Mistake {
-        let mistake = Mistake::new(Status::BadData, message);
-        match &self.place {
-            Some(place) => mistake.at(place.clone()),
-            None => mistake,
+    fn diagnostic(&self, message: String) -> Diagnostic {
+        let diagnostic = Diagnostic::new(Kind::BadData, message);
+        match &self.location {
+            Some(location) => diagnostic.at(location.clone()),
+            None => diagnostic,
         }
     }
 }

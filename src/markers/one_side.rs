@@ -10,7 +10,7 @@ use super::{
 };
 use crate::{
     core::mesh::SurfacePoint,
-    mistake::{Failure, Result},
+    diagnostic::{Diagnostics, Result},
 };
 
 /// The points in `file` on the surface of `side`: of pairs those of that side, where they are known.
@@ -29,13 +29,13 @@ pub fn points_on(file: &Path, side: Side<'_>) -> Result<Vec<SurfacePoint>> {
         let given: Vec<Given> = (0..markers.entries.len())
             .filter_map(|i| {
                 let point = markers.entries[i].of(side.name)?;
-                let place = markers.entries[i].place.clone();
-                Some(Given { label: format!("marker {}", markers.name(i)), point, place })
+                let location = markers.entries[i].location.clone();
+                Some(Given { label: format!("marker {}", markers.name(i)), point, location })
             })
             .collect();
-        let mistakes = check(side, &given);
-        if !mistakes.is_empty() {
-            return Err(Failure { mistakes });
+        let diagnostics = check(side, &given);
+        if !diagnostics.is_empty() {
+            return Err(Diagnostics { diagnostics });
         }
         given.into_iter().map(|given| given.point).collect()
     };

@@ -6,8 +6,8 @@ use nalgebra::Point3;
 
 use super::{json, pp, table, text};
 use crate::{
-    mistake::{Mistake, Place, Result},
-    status::Status,
+    diagnostic::Kind,
+    diagnostic::{Diagnostic, Location, Result},
 };
 
 /// The points of one mesh, as a file has them.
@@ -29,7 +29,7 @@ pub struct NamedPoint {
     /// Where it is.
     pub spot: Spot,
     /// Where it stands in its file.
-    pub place: Place,
+    pub location: Location,
 }
 
 /// How a file says where a point is. Numbers count the vertices and triangles of the mesh from 0; polygons are cut into
@@ -64,13 +64,13 @@ pub fn read(file: &Path) -> Result<PointFile> {
         Some(extension) if EXTENSIONS.contains(&extension) => parse(file, &text::read(file)?),
         Some("cons" | "yaml" | "yml") => {
             let name = file.file_name().unwrap_or_default().to_string_lossy();
-            Err(Mistake::new(Status::BadPipeline, "this file holds both sides of the markers")
-                .at(Place::File(file.into()))
+            Err(Diagnostic::new(Kind::BadPipeline, "this file holds both sides of the markers")
+                .at(Location::File(file.into()))
                 .hint(format!("name it alone: `markers: {name}`"))
                 .into())
         }
-        _ => Err(Mistake::new(Status::BadPipeline, "not a file of points: expected .pp, .json, .txt or .csv")
-            .at(Place::File(file.into()))
+        _ => Err(Diagnostic::new(Kind::BadPipeline, "not a file of points: expected .pp, .json, .txt or .csv")
+            .at(Location::File(file.into()))
             .hint("MeshLab writes .pp, Wrap .json or .txt; see docs/markers.md for tables and JSON")
             .into()),
     }
@@ -90,8 +90,8 @@ pub fn parse(file: &Path, text: &str) -> Result<PointFile> {
     };
     if points.points.is_empty() {
         let more = points.warnings.first().map_or(String::new(), |warning| format!(" ({warning})"));
-        let mistake = Mistake::new(Status::BadData, format!("no points{more}")).at(Place::File(file.into()));
-        return Err(mistake.hint("pick some, and save the file again").into());
+        let diagnostic = Diagnostic::new(Kind::BadData, format!("no points{more}")).at(Location::File(file.into()));
+        return Err(diagnostic.hint("pick some, and save the file again").into());
     }
     Ok(points)
 }

@@ -15,7 +15,7 @@ use super::{
     text::{Wrong, number, shorten},
     write::Written,
 };
-use crate::mistake::{Failure, Mistake, Place, Result};
+use crate::diagnostic::{Diagnostic, Diagnostics, Location, Result};
 
 /// Parses the text of `file`; points that are not active are left out, with a warning.
 ///
@@ -23,8 +23,8 @@ use crate::mistake::{Failure, Mistake, Place, Result};
 ///
 /// All that is wrong, each with its line.
 pub fn parse(file: &Path, text: &str) -> Result<PointFile> {
-    let place = |line: usize| Place::Line { file: file.into(), line };
-    let mut mistakes: Vec<Mistake> = Vec::new();
+    let location = |line: usize| Location::Line { file: file.into(), line };
+    let mut diagnostics: Vec<Diagnostic> = Vec::new();
     let mut result = PointFile { file: file.into(), ..PointFile::default() };
     let mut inactive = Vec::new();
     let mut rooted = false;
@@ -32,7 +32,7 @@ pub fn parse(file: &Path, text: &str) -> Result<PointFile> {
         let tag = match tag {
             Ok(tag) => tag,
             Err((line, wrong)) => {
-                mistakes.push(wrong.at(place(line)));
+                diagnostics.push(wrong.at(location(line)));
                 break;
             }
         };
@@ -41,13 +41,13 @@ pub fn parse(file: &Path, text: &str) -> Result<PointFile> {
             if tag.name != "PickedPoints" {
                 let message = format!("expected `<PickedPoints>`, found `<{}>`", shorten(&tag.name));
                 let hint = "save the points with MeshLab's PickPoints tool".into();
-                return Err(Wrong { message, hint }.at(place(tag.line)).into());
+                return Err(Wrong { message, hint }.at(location(tag.line)).into());
             }
         }
         if tag.name != "point" {
             continue;
         }
-        let at = || place(tag.line);
+        let at = || location(tag.line);
         let name = tag.get("name").map(str::to_owned).filter(|name| !name.is_empty());
         if tag.get("active").is_some_and(|active| ["0", "false"].contains(&active)) {
             inactive.push(name.unwrap_or_else(|| format!("in line {}", tag.line)));
@@ -67,23 +67,23 @@ pub fn parse(file: &Path, text: &str) -> Result<PointFile> {
                     hint: "a point is `<point x=\"0\" y=\"0\" z=\"0\" name=\"nose\"/>`".into(),
                 },
             };
-            mistakes.push(wrong.at(at()));
+            diagnostics.push(wrong.at(at()));
             good = false;
         }
         if good {
-            result.points.push(NamedPoint { name, spot: Spot::Position(Point3::from(numbers)), place: at() });
+            result.points.push(NamedPoint { name, spot: Spot::Position(Point3::from(numbers)), location: at() });
         }
     }
-    if !rooted && mistakes.is_empty() {
+    if !rooted && diagnostics.is_empty() {
         let hint = "save the points with MeshLab's PickPoints tool".into();
-        mistakes.push(Wrong { message: "expected `<PickedPoints>`, found no XML".into(), hint }.at(place(1)));
+        diagnostics.push(Wrong { message: "expected `<PickedPoints>`, found no XML".into(), hint }.at(location(1)));
     }
     if !inactive.is_empty() {
         let many = inactive.len();
         let names = inactive.join(", ");
         result.warnings.push(format!("{}: {many} not active and left out: {names}", file.display()));
     }
-    if mistakes.is_empty() { Ok(result) } else { Err(Failure { mistakes }) }
+    if diagnostics.is_empty() { Ok(result) } else { Err(Diagnostics { diagnostics }) }
 }
 
 /// The text of a file with `points`, made on the mesh called `mesh`.
@@ -290,7 +290,7 @@ mod tests {
         assert_eq!(file.points[0].name.as_deref(), Some("a & b"));
         assert_eq!(file.points[0].spot, Spot::Position(Point3::new(1.0, 2.0, 0.3)));
         assert_eq!(file.points[1].spot, Spot::Position(Point3::new(4.0, 5.0, 6.0)));
-        assert_eq!(file.points[1].place, Place::Line { file: "m.pp".into(), line: 7 });
+        assert_eq!(file.points[1].location, Location::Line { file: "m.pp".into(), line: 7 });
         assert_eq!(file.warnings, ["m.pp: 1 not active and left out: c"]);
     }
 

@@ -11,8 +11,8 @@ use super::{
 };
 use crate::{
     core::mesh::SurfacePoint,
-    mistake::{Failure, Mistake, Result},
-    status::Status,
+    diagnostic::Kind,
+    diagnostic::{Diagnostic, Diagnostics, Result},
 };
 
 /// Points that move farther than this, relative to the diagonal, are doubtful.
@@ -74,7 +74,7 @@ pub fn reattach(markers: &mut MarkerFile, old: Option<Side<'_>>, new: Side<'_>, 
         }
     }
     match too_far(&moves, &attacher) {
-        Some(mistake) if !force => Err(mistake.into()),
+        Some(diagnostic) if !force => Err(diagnostic.into()),
         _ => Ok(moves),
     }
 }
@@ -91,18 +91,18 @@ fn origins(
         if let Some(entry) = markers.entries.iter().find(unknown) {
             let message = format!("the markers do not say where their points of the {side} were");
             let hint = format!("give the {side} that they were made on: `--old-{side} MESH`");
-            return Err(Mistake { status: Status::Usage, ..entry.mistake(message) }.hint(hint).into());
+            return Err(Diagnostic { kind: Kind::Usage, ..entry.diagnostic(message) }.hint(hint).into());
         }
         return Ok(markers.entries.iter().map(|entry| entry.at[k].filter(|_| entry.of(side).is_some())).collect());
     };
     let given = |(i, entry): (usize, &Entry)| {
         let point = entry.of(side)?;
-        Some(indices::Given { label: format!("marker {}", markers.name(i)), point, place: entry.place.clone() })
+        Some(indices::Given { label: format!("marker {}", markers.name(i)), point, location: entry.location.clone() })
     };
     let given: Vec<_> = markers.entries.iter().enumerate().filter_map(given).collect();
-    let mistakes = indices::check(before.side, &given);
-    if !mistakes.is_empty() {
-        return Err(Failure { mistakes });
+    let diagnostics = indices::check(before.side, &given);
+    if !diagnostics.is_empty() {
+        return Err(Diagnostics { diagnostics });
     }
     Ok(markers.entries.iter().map(|entry| Some(before.position(entry.of(side)?))).collect())
 }
@@ -125,7 +125,7 @@ fn normal(side: Side<'_>, point: SurfacePoint) -> Vector3<f64> {
 }
 
 /// That points are farther off the edited mesh than is right.
-fn too_far(moves: &[Move], attacher: &Attacher<'_>) -> Option<Mistake> {
+fn too_far(moves: &[Move], attacher: &Attacher<'_>) -> Option<Diagnostic> {
     let far: Vec<&Move> = moves.iter().filter(|moved| is_far(moved.distance)).collect();
     let first = far.first()?;
     let side = attacher.side.name;
@@ -149,5 +149,5 @@ fn too_far(moves: &[Move], attacher: &Attacher<'_>) -> Option<Mistake> {
         }
         None => "is it the same mesh, in the same place? `--force` carries them over all the same".into(),
     };
-    Some(Mistake::new(Status::BadData, message).hint(hint))
+    Some(Diagnostic::new(Kind::BadData, message).hint(hint))
 }

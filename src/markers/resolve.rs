@@ -7,7 +7,7 @@ use super::{
 };
 use crate::{
     core::stage::Marker,
-    mistake::{Failure, Mistake, Place, Result},
+    diagnostic::{Diagnostic, Diagnostics, Location, Result},
 };
 
 /// Positions nearer than this, relative to the diagonal, are one place: a mesh file keeps six digits or so.
@@ -20,18 +20,18 @@ impl MarkerFile {
     ///
     /// Every marker that is out of range, or shares a point with an earlier one.
     pub fn resolve(&self, source: Side<'_>, target: Side<'_>) -> Result<Vec<Marker>> {
-        let mut mistakes = Vec::new();
+        let mut diagnostics = Vec::new();
         let mut markers = Vec::new();
-        if let Some(mistake) = self.swapped(source, target) {
-            return Err(mistake.into());
+        if let Some(diagnostic) = self.swapped(source, target) {
+            return Err(diagnostic.into());
         }
-        mistakes.extend(self.incomplete());
+        diagnostics.extend(self.incomplete());
         for side in [source, target] {
             let given = |(i, entry): (usize, &Entry)| {
                 let point = entry.of(side.name)?;
-                Some(Given { label: format!("marker {}", self.name(i)), point, place: entry.place.clone() })
+                Some(Given { label: format!("marker {}", self.name(i)), point, location: entry.location.clone() })
             };
-            mistakes.extend(check(side, &self.entries.iter().enumerate().filter_map(given).collect::<Vec<_>>()));
+            diagnostics.extend(check(side, &self.entries.iter().enumerate().filter_map(given).collect::<Vec<_>>()));
         }
         for (i, entry) in self.entries.iter().enumerate() {
             let Some(of_target) = entry.target else { continue };
@@ -46,21 +46,21 @@ impl MarkerFile {
                 let at = point(marker).position(surface, &surface.positions);
                 let key = [at.x, at.y, at.z].map(|x| (x + 0.0).to_bits());
                 if let Some(first) = seen.get(&key) {
-                    mistakes.push(self.coincide(*first, *i, side));
+                    diagnostics.push(self.coincide(*first, *i, side));
                 } else {
                     seen.insert(key, *i);
                 }
             }
         }
-        if mistakes.is_empty() {
+        if diagnostics.is_empty() {
             Ok(markers.into_iter().map(|(_, marker)| marker).collect())
         } else {
-            Err(Failure { mistakes })
+            Err(Diagnostics { diagnostics })
         }
     }
 
     /// That markers have no target yet: which, in one sentence, at the first.
-    fn incomplete(&self) -> Option<Mistake> {
+    fn incomplete(&self) -> Option<Diagnostic> {
         let missing: Vec<usize> = (0..self.entries.len()).filter(|&i| self.entries[i].target.is_none()).collect();
         let first = *missing.first()?;
         let name = |&i: &usize| match &self.entries[i].note {
@@ -75,11 +75,11 @@ impl MarkerFile {
             }
         };
         let hint = "write the vertex of the target at the same place, e.g. `{ source: 750, target: 3386 }`";
-        Some(self.entries[first].mistake(message).hint(hint))
+        Some(self.entries[first].diagnostic(message).hint(hint))
     }
 
     /// That several markers do not exist, and all would with source and target exchanged.
-    fn swapped(&self, source: Side<'_>, target: Side<'_>) -> Option<Mistake> {
+    fn swapped(&self, source: Side<'_>, target: Side<'_>) -> Option<Diagnostic> {
         let wrong = |entry: &&Entry| {
             let of = [(source, entry.source), (target, entry.target?)];
             of.into_iter().find_map(|(side, point)| on_surface(side, point).err())
@@ -98,7 +98,7 @@ impl MarkerFile {
             self.entries.len()
         );
         let hint = "exchange `source` and `target` in the pipeline, or the two sides of the markers";
-        Some(self.entries[*i].mistake(message).hint(hint))
+        Some(self.entries[*i].diagnostic(message).hint(hint))
     }
 
     /// Sentences about meshes that are not those that the markers were made on.
@@ -142,9 +142,9 @@ impl MarkerFile {
         (!self.entries.is_empty()).then_some(count)
     }
 
-    fn coincide(&self, first: usize, second: usize, side: &str) -> Mistake {
-        let first_line = match &self.entries[first].place {
-            Some(Place::Line { line, .. } | Place::Span { line, .. }) => format!(" (line {line})"),
+    fn coincide(&self, first: usize, second: usize, side: &str) -> Diagnostic {
+        let first_line = match &self.entries[first].location {
+            Some(Location::Line { line, .. } | Location::Span { line, .. }) => format!(" (line {line})"),
             _ => String::new(),
         };
         let message = format!(
@@ -152,7 +152,7 @@ impl MarkerFile {
             self.name(second),
             self.name(first)
         );
-        self.entries[second].mistake(message).hint("remove one of the two; a point can have one partner only")
+        self.entries[second].diagnostic(message).hint("remove one of the two; a point can have one partner only")
     }
 }
 
@@ -217,7 +217,7 @@ mod tests {
              two sides of the markers"
         );
         let both = file("3\n0, 4\n1, 1\n4, 5\n").resolve(source, target).unwrap_err();
-        assert_eq!(both.mistakes.len(), 2);
+        assert_eq!(both.diagnostics.len(), 2);
     }
 
     #[test]
@@ -244,9 +244,9 @@ mod tests {
         let side = |name| Side { name, mesh: &mesh, surface: &surface };
         let file = cons::parse(Path::new("m.cons"), "3\n1, 0\n12, 1\n15, 2\n").unwrap();
         let failure = file.resolve(side("source"), side("target")).unwrap_err();
-        assert_eq!(failure.mistakes.len(), 1);
+        assert_eq!(failure.diagnostics.len(), 1);
         assert_eq!(
-            failure.mistakes[0].message,
+            failure.diagnostics[0].message,
             "marker 2: the source has no vertex 12: expected 0 to 8; so it is with 2 of 3; all are below the number of its \
              triangles, 16, so they may be triangles"
         );

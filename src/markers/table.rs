@@ -11,7 +11,7 @@ use super::{
     text::{Wrong, index, number, shorten},
     write::Written,
 };
-use crate::mistake::{Failure, Mistake, Place, Result};
+use crate::diagnostic::{Diagnostic, Diagnostics, Location, Result};
 
 /// Parses the text of `file`; blank lines and lines that begin with `#` are passed over.
 ///
@@ -19,7 +19,7 @@ use crate::mistake::{Failure, Mistake, Place, Result};
 ///
 /// All that is wrong, each with its line.
 pub fn parse(file: &Path, text: &str) -> Result<PointFile> {
-    let place = |line: usize| Place::Line { file: file.into(), line };
+    let location = |line: usize| Location::Line { file: file.into(), line };
     let mut lines: Vec<(usize, &str)> = text.lines().enumerate().map(|(i, line)| (i + 1, line.trim())).collect();
     lines.retain(|(_, line)| !line.is_empty() && !line.starts_with('#'));
     let Some(&(first, head)) = lines.first() else {
@@ -35,16 +35,16 @@ pub fn parse(file: &Path, text: &str) -> Result<PointFile> {
         headings
     } else {
         let found = untitled(&lines, separator);
-        found.map_err(|wrong| Failure::from(wrong.at(place(first))))?
+        found.map_err(|wrong| Diagnostics::from(wrong.at(location(first))))?
     };
     let has = |column: Column| columns.contains(&Some(column));
     let spatial = has(Column::X) && has(Column::Y) && has(Column::Z);
     let on_triangles = has(Column::Triangle) && has(Column::U) && has(Column::V);
     if !(spatial || on_triangles || has(Column::Vertex)) {
         let message = format!("expected the columns x, y, z or vertex, found {}", shorten(&head.join(", ")));
-        return Err(Wrong { message, hint: "e.g. `name,x,y,z` or `name,vertex`".into() }.at(place(first)).into());
+        return Err(Wrong { message, hint: "e.g. `name,x,y,z` or `name,vertex`".into() }.at(location(first)).into());
     }
-    let mut mistakes: Vec<Mistake> = Vec::new();
+    let mut diagnostics: Vec<Diagnostic> = Vec::new();
     let mut result = PointFile { file: file.into(), ..PointFile::default() };
     let mut seen = HashMap::new();
     for (line, text) in lines {
@@ -54,17 +54,17 @@ pub fn parse(file: &Path, text: &str) -> Result<PointFile> {
                 let before = name.clone().and_then(|name| seen.insert(name, line));
                 if let (Some(name), Some(before)) = (&name, before) {
                     let message = format!("another point is called {name} (line {before})");
-                    mistakes.push(Wrong { message, hint: "give each its own name".into() }.at(place(line)));
+                    diagnostics.push(Wrong { message, hint: "give each its own name".into() }.at(location(line)));
                 }
-                result.points.push(NamedPoint { name, spot, place: place(line) });
+                result.points.push(NamedPoint { name, spot, location: location(line) });
             }
             Err(wrong) => {
                 let wrong = if titled { wrong } else { separator.explain(wrong, text, cells.len(), columns.len()) };
-                mistakes.push(wrong.at(place(line)));
+                diagnostics.push(wrong.at(location(line)));
             }
         }
     }
-    if mistakes.is_empty() { Ok(result) } else { Err(Failure { mistakes }) }
+    if diagnostics.is_empty() { Ok(result) } else { Err(Diagnostics { diagnostics }) }
 }
 
 /// The text of a file with `points`: name, x, y and z.

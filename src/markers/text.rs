@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::mistake::{self, Mistake, Place, Result};
+use crate::diagnostic::{self, Diagnostic, Location, Result};
 
 /// What is wrong with a word, and the way out.
 #[derive(Clone, Debug, PartialEq)]
@@ -14,9 +14,9 @@ pub struct Wrong {
 }
 
 impl Wrong {
-    /// As a mistake in a file of data.
-    pub fn at(self, place: Place) -> Mistake {
-        Mistake::new(crate::status::Status::BadData, self.message).at(place).hint(self.hint)
+    /// As a diagnostic in a file of data.
+    pub fn at(self, location: Location) -> Diagnostic {
+        Diagnostic::new(crate::diagnostic::Kind::BadData, self.message).at(location).hint(self.hint)
     }
 }
 
@@ -26,7 +26,7 @@ impl Wrong {
 ///
 /// If it cannot be read.
 pub fn read(file: &Path) -> Result<String> {
-    let text = mistake::read_text(file)?;
+    let text = diagnostic::read_text(file)?;
     Ok(match text.strip_prefix('\u{feff}') {
         Some(rest) => rest.to_owned(),
         None => text,

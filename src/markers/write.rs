@@ -7,8 +7,8 @@ use nalgebra::Point3;
 use super::{MarkerFile, Side, attach::Attacher, cons, json, points, pp, table, yaml};
 use crate::{
     core::mesh::SurfacePoint,
-    mistake::{Mistake, Place, Result},
-    status::Status,
+    diagnostic::Kind,
+    diagnostic::{Diagnostic, Location, Result},
 };
 
 /// A point of one side, as files of points have it.
@@ -41,7 +41,7 @@ pub type Texts = Vec<(PathBuf, String)>;
 pub fn write(markers: &MarkerFile, out: &Path, source: Side<'_>, target: Side<'_>) -> Result<(Texts, Vec<String>)> {
     let name = out.to_string_lossy();
     let wrong = |message: String, hint: &str| {
-        Err(Mistake::new(Status::Usage, message).at(Place::File(out.into())).hint(hint).into())
+        Err(Diagnostic::new(Kind::Usage, message).at(Location::File(out.into())).hint(hint).into())
     };
     let extension = points::extension(out).unwrap_or_default();
     let both = ["cons", "yaml", "yml"].contains(&extension.as_str());

@@ -22,9 +22,9 @@ use serde_json::Value;
 use super::{Entry, MarkerFile, MeshReference};
 use crate::{
     core::mesh::SurfacePoint,
-    mistake::{Failure, Mistake, Place, Result},
+    diagnostic::Kind,
+    diagnostic::{Diagnostic, Diagnostics, Location, Result},
     pipeline::{At, Document, Step, parse as pipeline_parse},
-    status::Status,
 };
 
 /// Barycentric coordinates may miss their sum of 1 by this, as they are rounded in files.
@@ -38,16 +38,16 @@ const NEGATIVE_TOLERANCE: f64 = -1e-9;
 ///
 /// All that is wrong, each with its place.
 pub fn parse(file: &Path, text: &str) -> Result<MarkerFile> {
-    let as_data = |mut mistakes: Vec<Mistake>| {
-        mistakes.iter_mut().for_each(|mistake| mistake.status = Status::BadData);
-        Failure { mistakes }
+    let as_data = |mut diagnostics: Vec<Diagnostic>| {
+        diagnostics.iter_mut().for_each(|diagnostic| diagnostic.kind = Kind::BadData);
+        Diagnostics { diagnostics }
     };
     let document =
-        Document::parse(file, super::text::without_mark(text)).map_err(|failure| as_data(failure.mistakes))?;
-    let mut mistakes = Vec::new();
-    check_keys(&document, &mut mistakes);
-    let source = reference(&document, "source", &mut mistakes);
-    let target = reference(&document, "target", &mut mistakes);
+        Document::parse(file, super::text::without_mark(text)).map_err(|failure| as_data(failure.diagnostics))?;
+    let mut diagnostics = Vec::new();
+    check_keys(&document, &mut diagnostics);
+    let source = reference(&document, "source", &mut diagnostics);
+    let target = reference(&document, "target", &mut diagnostics);
     let mut entries = Vec::new();
     let list = document.value.get("markers").and_then(Value::as_array);
     let (maps, others): (Vec<_>, Vec<_>) =
@@ -57,13 +57,13 @@ pub fn parse(file: &Path, text: &str) -> Result<MarkerFile> {
         let also = if more.is_empty() { String::new() } else { format!(", and so with {} more", more.len()) };
         let message = format!("marker {}: expected a map, found {first}{also}", i + 1);
         let hint = "write each as `{ source: 750, target: 3386 }`; lines of `750, 3386` go into a .cons file";
-        mistakes.push(document.mistake(&path, At::Value, message).hint(hint));
+        diagnostics.push(document.diagnostic(&path, At::Value, message).hint(hint));
     }
     for (i, _) in maps {
-        entries.extend(entry(&document, i, &mut mistakes));
+        entries.extend(entry(&document, i, &mut diagnostics));
     }
-    check_names(&entries, &mut mistakes);
-    if mistakes.is_empty() { Ok(MarkerFile { source, target, entries }) } else { Err(as_data(mistakes)) }
+    check_names(&entries, &mut diagnostics);
+    if diagnostics.is_empty() { Ok(MarkerFile { source, target, entries }) } else { Err(as_data(diagnostics)) }
 }
 
 /// The text of a file, which [`parse`] reads back.
@@ -122,34 +122,36 @@ fn point_text(point: SurfacePoint, at: Option<Point3<f64>>) -> String {
     }
 }
 
-fn check_keys(document: &Document, mistakes: &mut Vec<Mistake>) {
+fn check_keys(document: &Document, diagnostics: &mut Vec<Diagnostic>) {
     let Some(map) = document.value.as_object() else {
         let message = "expected a map with the key `markers`";
-        mistakes
-            .push(document.mistake(&[], At::Value, message).hint("e.g. `markers: [{ source: 750, target: 3386 }]`"));
+        diagnostics
+            .push(document.diagnostic(&[], At::Value, message).hint("e.g. `markers: [{ source: 750, target: 3386 }]`"));
         return;
     };
     for key in map.keys().filter(|key| !["source", "target", "markers"].contains(&key.as_str())) {
         let path = [Step::Key(key.clone())];
         let hint = "known keys: source, target, markers";
-        mistakes.push(document.mistake(&path, At::Key, format!("unknown key `{key}`")).hint(hint));
+        diagnostics.push(document.diagnostic(&path, At::Key, format!("unknown key `{key}`")).hint(hint));
     }
     match map.get("markers") {
         Some(Value::Array(_)) => {}
-        Some(_) => {
-            mistakes.push(document.mistake(&[Step::Key("markers".into())], At::Value, "`markers`: expected a list"))
-        }
-        None => mistakes.push(document.mistake(&[], At::Value, "missing key `markers`")),
+        Some(_) => diagnostics.push(document.diagnostic(
+            &[Step::Key("markers".into())],
+            At::Value,
+            "`markers`: expected a list",
+        )),
+        None => diagnostics.push(document.diagnostic(&[], At::Value, "missing key `markers`")),
     }
 }
 
-fn check_names(entries: &[Entry], mistakes: &mut Vec<Mistake>) {
+fn check_names(entries: &[Entry], diagnostics: &mut Vec<Diagnostic>) {
     let mut seen = std::collections::HashMap::new();
     for entry in entries {
-        let (Some(name), Some(Place::Span { line, .. })) = (&entry.name, &entry.place) else { continue };
+        let (Some(name), Some(Location::Span { line, .. })) = (&entry.name, &entry.location) else { continue };
         if let Some(first) = seen.insert(name, line) {
             let message = format!("another marker is called {name} (line {first})");
-            mistakes.push(entry.mistake(message).hint("give each its own name"));
+            diagnostics.push(entry.diagnostic(message).hint("give each its own name"));
         }
     }
 }
@@ -162,8 +164,8 @@ struct RawReference {
     blake3: Option<String>,
 }
 
-fn reference(document: &Document, side: &str, mistakes: &mut Vec<Mistake>) -> Option<MeshReference> {
-    let raw: RawReference = pipeline_parse::value(document, &[Step::Key(side.into())], mistakes)?;
+fn reference(document: &Document, side: &str, diagnostics: &mut Vec<Diagnostic>) -> Option<MeshReference> {
+    let raw: RawReference = pipeline_parse::value(document, &[Step::Key(side.into())], diagnostics)?;
     Some(MeshReference { mesh: raw.mesh, vertices: raw.vertices, blake3: raw.blake3 })
 }
 
@@ -176,11 +178,11 @@ struct RawEntry {
     note: Option<String>,
 }
 
-fn entry(document: &Document, i: usize, mistakes: &mut Vec<Mistake>) -> Option<Entry> {
+fn entry(document: &Document, i: usize, diagnostics: &mut Vec<Diagnostic>) -> Option<Entry> {
     let path = [Step::Key("markers".into()), Step::Index(i)];
-    let before = mistakes.len();
-    let raw: RawEntry = pipeline_parse::value(document, &path, mistakes)?;
-    if mistakes.len() > before {
+    let before = diagnostics.len();
+    let raw: RawEntry = pipeline_parse::value(document, &path, diagnostics)?;
+    if diagnostics.len() > before {
         return None;
     }
     let Some(source) = raw.source else {
@@ -188,12 +190,19 @@ fn entry(document: &Document, i: usize, mistakes: &mut Vec<Mistake>) -> Option<E
         let also = if raw.target.is_some() { "" } else { " and no target" };
         let message = format!("marker {name} has no source{also}");
         let hint = "a marker needs a point on both meshes, e.g. `{ source: 750, target: 3386 }`";
-        mistakes.push(document.mistake(&path, At::Value, message).hint(hint));
+        diagnostics.push(document.diagnostic(&path, At::Value, message).hint(hint));
         return None;
     };
-    let place = Some(document.place(&path, At::Value));
+    let location = Some(document.location(&path, At::Value));
     let at = [source.1, raw.target.as_ref().and_then(|target| target.1)];
-    Some(Entry { name: raw.name, source: source.0, target: raw.target.map(|point| point.0), note: raw.note, at, place })
+    Some(Entry {
+        name: raw.name,
+        source: source.0,
+        target: raw.target.map(|point| point.0),
+        note: raw.note,
+        at,
+        location,
+    })
 }
 
 /// A vertex as a number or as `{ vertex: 4 }`, or `{ triangle: 12, barycentric: [0.2, 0.3, 0.5] }`; the maps also with
@@ -346,13 +355,13 @@ mod tests {
             let entries = entries.into_iter().enumerate().map(|(i, (source, target, note, kept))| {
                 let at = kept.then(|| Point3::new(i as f64, 0.1 * i as f64, -1e-7));
                 let at = [at, at.filter(|_| target.is_some())];
-                Entry { name: (i % 2 == 0).then(|| format!("n{i}: #")), source, target, note, at, place: None }
+                Entry { name: (i % 2 == 0).then(|| format!("n{i}: #")), source, target, note, at, location: None }
             });
             let source = Some(MeshReference { mesh, vertices, blake3: Some("0123".into()) });
             let file = MarkerFile { source, target: None, entries: entries.collect() };
             let text = write(&file);
             let mut back = read(&text).unwrap_or_else(|failure| panic!("{failure}\n{text}"));
-            back.entries.iter_mut().for_each(|entry| entry.place = None);
+            back.entries.iter_mut().for_each(|entry| entry.location = None);
             prop_assert_eq!(back, file);
         }
 

@@ -14,8 +14,8 @@ use serde_json::{Map, Value};
 
 use super::places::{Node, Span, Spot, Text};
 use crate::{
-    mistake::{Failure, Mistake, Place, read_text},
-    status::Status,
+    diagnostic::Kind,
+    diagnostic::{Diagnostic, Diagnostics, Location, read_text},
 };
 
 /// A YAML file, parsed but not yet understood; once composed, with what it includes.
@@ -53,7 +53,7 @@ impl Document {
     /// # Errors
     ///
     /// If it cannot be read, or is no YAML.
-    pub fn read(file: &Path) -> Result<Self, Failure> {
+    pub fn read(file: &Path) -> Result<Self, Diagnostics> {
         Self::parse(file, &read_text(file)?)
     }
 
@@ -62,7 +62,7 @@ impl Document {
     /// # Errors
     ///
     /// If it is no YAML.
-    pub fn parse(file: &Path, text: &str) -> Result<Self, Failure> {
+    pub fn parse(file: &Path, text: &str) -> Result<Self, Diagnostics> {
         let whole = Text::new(file, text);
         let text = &guarded(text);
         let value = yaml_value(text).map_err(|error| not_yaml(&whole, error))?;
@@ -71,8 +71,8 @@ impl Document {
 
     /// The text at `path`, or at the nearest part of the path that is in the file: a merged value has no place of its own. A
     /// value from an option, and one that an option made what it is, is at that option.
-    pub fn place(&self, path: &[Step], at: At) -> Place {
-        self.spot(path, at).place()
+    pub fn location(&self, path: &[Step], at: At) -> Location {
+        self.spot(path, at).location()
     }
 
     /// The same, not yet put into words.
@@ -107,23 +107,23 @@ impl Document {
         Some((value, self.root.take(&Step::Key(key.into()))))
     }
 
-    /// A mistake at `path`.
-    pub fn mistake(&self, path: &[Step], at: At, message: impl Into<String>) -> Mistake {
-        Mistake::new(Status::BadPipeline, message).at(self.place(path, at))
+    /// A diagnostic at `path`.
+    pub fn diagnostic(&self, path: &[Step], at: At, message: impl Into<String>) -> Diagnostic {
+        Diagnostic::new(Kind::BadPipeline, message).at(self.location(path, at))
     }
 }
 
-/// The mistake of a text that is no YAML, in words of someone who writes it and with a way out that fits.
-fn not_yaml(text: &Arc<Text>, error: serde_saphyr::Error) -> Mistake {
+/// The diagnostic of a text that is no YAML, in words of someone who writes it and with a way out that fits.
+fn not_yaml(text: &Arc<Text>, error: serde_saphyr::Error) -> Diagnostic {
     let error = error.without_snippet();
     let mut told = error.to_string();
-    let mut place = Place::File(text.file.clone());
+    let mut location = Location::File(text.file.clone());
     if let Some(at) = error.location().filter(|at| at.line() > 0) {
         let (line, column) = (at.line() as usize, at.column() as usize);
         if let Some(end) = told.find(&format!(" at line {line}, column {column}")) {
             told.truncate(end);
         }
-        place = Spot::Text(text.clone(), Span { line, column: column.max(1) - 1, length: 1 }).place();
+        location = Spot::Text(text.clone(), Span { line, column: column.max(1) - 1, length: 1 }).location();
     }
     let (message, hint) = if let Some(rest) = told.strip_prefix("duplicate mapping key: ") {
         let key = rest.split(',').next().unwrap_or(rest);
@@ -140,7 +140,7 @@ fn not_yaml(text: &Arc<Text>, error: serde_saphyr::Error) -> Mistake {
     } else {
         (told, "a text with `:`, `#` or `{…}` in it needs quotes, and lines of one map the same indentation")
     };
-    Mistake::new(Status::BadPipeline, format!("not valid YAML: {message}")).at(place).hint(hint)
+    Diagnostic::new(Kind::BadPipeline, format!("not valid YAML: {message}")).at(location).hint(hint)
 }
 
 /// The value of a YAML text, with aliases and merge keys resolved.
@@ -256,11 +256,11 @@ pub fn type_first(value: Value) -> Value {
 mod tests {
     use super::*;
 
-    fn place(text: &str, keys: &[&str], at: At) -> (usize, usize, usize) {
+    fn location(text: &str, keys: &[&str], at: At) -> (usize, usize, usize) {
         let document = Document::parse(Path::new("a.yaml"), text).unwrap();
         let path: Vec<_> = keys.iter().map(|key| Step::parse(key)).collect();
-        match document.place(&path, at) {
-            Place::Span { line, column, length, .. } => (line, column, length),
+        match document.location(&path, at) {
+            Location::Span { line, column, length, .. } => (line, column, length),
             other => panic!("expected a span, found {other:?}"),
         }
     }
@@ -268,11 +268,11 @@ mod tests {
     #[test]
     fn keys_and_values_are_found_in_both_notations() {
         let text = "# first\nsource: { rest: a.obj, poses: [b, cc] }\ntransfer:\n  type: gradient\n";
-        assert_eq!(place(text, &["source"], At::Key), (2, 1, 6));
-        assert_eq!(place(text, &["source", "rest"], At::Value), (2, 17, 5));
-        assert_eq!(place(text, &["source", "poses", "1"], At::Value), (2, 35, 2));
-        assert_eq!(place(text, &["transfer", "type"], At::Value), (4, 9, 8));
-        assert_eq!(place(text, &["transfer", "type"], At::Key), (4, 3, 4));
+        assert_eq!(location(text, &["source"], At::Key), (2, 1, 6));
+        assert_eq!(location(text, &["source", "rest"], At::Value), (2, 17, 5));
+        assert_eq!(location(text, &["source", "poses", "1"], At::Value), (2, 35, 2));
+        assert_eq!(location(text, &["transfer", "type"], At::Value), (4, 9, 8));
+        assert_eq!(location(text, &["transfer", "type"], At::Key), (4, 3, 4));
     }
 
     #[test]
@@ -281,7 +281,7 @@ mod tests {
         let document = Document::parse(Path::new("a.yaml"), text).unwrap();
         assert_eq!(document.value["output"][0], "out/{pose}.obj");
         assert_eq!(document.value["truth"], "{pose}.ply");
-        assert_eq!(place(text, &["output", "1"], At::Value), (1, 26, 7));
+        assert_eq!(location(text, &["output", "1"], At::Value), (1, 26, 7));
     }
 
     #[test]
@@ -290,14 +290,14 @@ mod tests {
         let document = Document::parse(Path::new("a.yaml"), text).unwrap();
         let expected = r#"{"a":["${x}/{target}.obj",{"b":{"pose":1}},"${env:HOME}"],"c":"${y}"}"#;
         assert_eq!(document.value.to_string(), expected);
-        assert_eq!(place(text, &["a", "1", "b"], At::Value), (1, 29, 8));
+        assert_eq!(location(text, &["a", "1", "b"], At::Value), (1, 29, 8));
     }
 
     #[test]
     fn what_is_not_in_the_file_is_at_its_nearest_parent() {
         let text = "source: { rest: a.obj }\n";
-        assert_eq!(place(text, &["source", "poses", "3"], At::Value).0, 1);
-        assert_eq!(place(text, &["target"], At::Value), (1, 1, 6 + 17));
+        assert_eq!(location(text, &["source", "poses", "3"], At::Value).0, 1);
+        assert_eq!(location(text, &["target"], At::Value), (1, 1, 6 + 17));
     }
 
     #[test]
@@ -305,7 +305,7 @@ mod tests {
         let text = "base: &b { type: x, k: 1 }\nother: { <<: *b, l: 2 }\n";
         let document = Document::parse(Path::new("a.yaml"), text).unwrap();
         assert_eq!(document.value["other"]["k"], 1);
-        assert_eq!(place(text, &["other", "k"], At::Value).0, 2);
+        assert_eq!(location(text, &["other", "k"], At::Value).0, 2);
     }
 
     #[test]

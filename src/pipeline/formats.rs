@@ -7,8 +7,8 @@ use crate::{
         Error, plugin,
         stage::{Format, MeshWriter},
     },
-    mistake::{self, Mistake, Place},
-    status::Status,
+    diagnostic::Kind,
+    diagnostic::{self, Diagnostic, Location},
 };
 
 /// The registered formats, with the settings that a pipeline gives some of them.
@@ -56,14 +56,14 @@ impl Formats {
     /// # Errors
     ///
     /// That there is no such file, or no format for it.
-    pub fn reader_of(&self, path: &Path) -> mistake::Result<&dyn Format> {
+    pub fn reader_of(&self, path: &Path) -> diagnostic::Result<&dyn Format> {
         // Of a file that is not there its ending does not matter.
         let metadata = std::fs::metadata(path).map_err(|error| Error::read(path, error))?;
         if metadata.is_dir() {
             return Err(Error::read(path, std::io::ErrorKind::IsADirectory.into()).into());
         }
-        let told = |unknown: Unknown| Mistake::new(Status::BadData, unknown.message).hint(unknown.hint);
-        Ok(self.reader(path).map_err(|unknown| told(unknown).at(Place::File(path.into())))?)
+        let told = |unknown: Unknown| Diagnostic::new(Kind::BadData, unknown.message).hint(unknown.hint);
+        Ok(self.reader(path).map_err(|unknown| told(unknown).at(Location::File(path.into())))?)
     }
 
     /// The format of `path`, which can write, and how.

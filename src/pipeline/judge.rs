@@ -12,7 +12,7 @@ use crate::{
         plugin,
         stage::{BoundMetric, Judged, Limit, Measured, Metric, Subject},
     },
-    mistake::{Mistake, Result},
+    diagnostic::{Diagnostic, Result},
     text::number,
 };
 
@@ -282,6 +282,6 @@ pub fn point_error(
 }
 
 /// An error of a metric that is bound, with its name.
-pub fn of_metric(metric: &dyn Metric, error: Error) -> Mistake {
-    Mistake::from(error).doing(format!("metric ({})", metric.typetag_name()))
+pub fn of_metric(metric: &dyn Metric, error: Error) -> Diagnostic {
+    Diagnostic::from(error).doing(format!("metric ({})", metric.typetag_name()))
 }

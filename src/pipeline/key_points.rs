@@ -9,8 +9,8 @@ use crate::{
         mesh::{MeshSequence, Surface, SurfacePoint},
         stage::{ChoiceStep, ChoiceWatch, Chosen, KeyPointsInput},
     },
+    diagnostic::Result,
     markers::{Entry, MarkerFile, MeshReference},
-    mistake::Result,
 };
 
 /// Chooses key points for the source, starting from the source points of `start`.
@@ -31,7 +31,7 @@ pub fn choose(prepared: &PreparedSource, start: &MarkerFile, watch: &dyn ChoiceW
         start.entries.iter().map(|entry| on_surface(&source.surface, entry.source)).collect();
     let input = KeyPointsInput { source: &source.surface, poses: &poses, start: &start };
     let doing =
-        |error| crate::mistake::Mistake::from(error).doing(format!("key_points ({})", key_points.typetag_name()));
+        |error| crate::diagnostic::Diagnostic::from(error).doing(format!("key_points ({})", key_points.typetag_name()));
     Ok(key_points.choose(input, watch).map_err(doing)?)
 }
 
@@ -59,14 +59,14 @@ pub fn to_complete(prepared: &PreparedSource, points: &[SurfacePoint], before: &
         let on_mesh = of_mesh(point);
         let known = before.entries.iter().find(|entry| of_mesh(on_surface(&source.surface, entry.source)) == on_mesh);
         entries.push(match known {
-            Some(entry) => Entry { place: None, ..entry.clone() },
+            Some(entry) => Entry { location: None, ..entry.clone() },
             None => Entry {
                 name: free.next(),
                 source: on_mesh,
                 target: None,
                 note: Some(note(&source.sequence, &source.surface, point)),
                 at: [None; 2],
-                place: None,
+                location: None,
             },
         });
     }

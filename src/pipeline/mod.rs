@@ -2,7 +2,7 @@
 //!
 //! A file becomes a [`Document`] (values and their places), the document a typed [`Pipeline`] ([`parse`]), the pipeline
 //! with the files it names something [`Prepared`] ([`prepare`]), and that a [`Report`] ([`run()`]). Up to `prepare`
-//! mistakes are collected and told together; nothing is computed before there are none. A file that declares several runs
+//! diagnostics are collected and told together; nothing is computed before there are none. A file that declares several runs
 //! becomes a document for each of them first ([`compose`]).
 
 pub mod cache;

@@ -9,8 +9,8 @@ use super::{
 };
 use crate::{
     core::plugin,
-    mistake::{Mistake, Place},
-    status::Status,
+    diagnostic::Kind,
+    diagnostic::{Diagnostic, Location},
 };
 
 /// Replaces values of `document` as `settings` say, in their order: `transfer.strength=0.5`, `output=[a.obj, b.glb]`.
@@ -20,20 +20,21 @@ use crate::{
 /// # Errors
 ///
 /// Settings that are not understood, each named.
-pub fn apply(document: &mut Document, settings: &[String]) -> Result<(), Vec<Mistake>> {
-    let mut mistakes = Vec::new();
+pub fn apply(document: &mut Document, settings: &[String]) -> Result<(), Vec<Diagnostic>> {
+    let mut diagnostics = Vec::new();
     for setting in settings {
-        if let Err(mistake) = apply_one(document, setting) {
-            mistakes.push(mistake);
+        if let Err(diagnostic) = apply_one(document, setting) {
+            diagnostics.push(diagnostic);
         }
     }
-    if mistakes.is_empty() { Ok(()) } else { Err(mistakes) }
+    if diagnostics.is_empty() { Ok(()) } else { Err(diagnostics) }
 }
 
-fn apply_one(document: &mut Document, setting: &str) -> Result<(), Mistake> {
+fn apply_one(document: &mut Document, setting: &str) -> Result<(), Diagnostic> {
     let option = format!("--set {setting}");
-    let wrong =
-        |message: String, hint: &str| Mistake::new(Status::Usage, message).at(Place::Option(option.clone())).hint(hint);
+    let wrong = |message: String, hint: &str| {
+        Diagnostic::new(Kind::Usage, message).at(Location::Option(option.clone())).hint(hint)
+    };
     let (path, value) = read(setting).map_err(|(message, hint)| wrong(message, hint))?;
     let spot = Spot::Option(option.as_str().into());
     let node = Node::leaf(spot.clone(), document.root.folder.clone());
@@ -83,7 +84,7 @@ pub(super) struct Problem {
 ///
 /// If the path does not fit the document.
 pub(super) fn put(document: &mut Document, path: &[Step], value: Value, from: Part) -> Result<(), Problem> {
-    let mut place = &mut document.value;
+    let mut location = &mut document.value;
     let mut node = &mut document.root;
     let made = |step: &Step| Part {
         step: step.clone(),
@@ -97,8 +98,8 @@ pub(super) fn put(document: &mut Document, path: &[Step], value: Value, from: Pa
             (Step::Index(index), Value::Array(_)) => value[*index].is_null(),
             (step, value) => value.get(step.to_string()).is_none_or(Value::is_null),
         };
-        let made_here = absent(place) || i + 1 == path.len();
-        match (step, &mut *place) {
+        let made_here = absent(location) || i + 1 == path.len();
+        match (step, &mut *location) {
             (Step::Index(index), Value::Array(list)) => {
                 let count = list.len();
                 if *index >= count {
@@ -108,7 +109,7 @@ pub(super) fn put(document: &mut Document, path: &[Step], value: Value, from: Pa
                 }
             }
             // A list that is not there begins with its first item.
-            (Step::Index(0), place @ Value::Null) if i > 0 => *place = Value::Array(vec![Value::Null]),
+            (Step::Index(0), location @ Value::Null) if i > 0 => *location = Value::Array(vec![Value::Null]),
             (Step::Index(index), value) if i > 0 && value.get(index.to_string()).is_none() => {
                 let message = format!("`{}` is no list, there is no item {index} (from 0)", so_far());
                 return Err(problem(message, Some(so_far())));
@@ -131,17 +132,17 @@ pub(super) fn put(document: &mut Document, path: &[Step], value: Value, from: Pa
                 }
             }
         }
-        let step = if place.is_array() { step.clone() } else { Step::Key(step.to_string()) };
+        let step = if location.is_array() { step.clone() } else { Step::Key(step.to_string()) };
         if made_here {
             node.put(made(&step));
         }
-        place = match &step {
-            Step::Index(index) => &mut place[*index],
-            Step::Key(key) => &mut place[key],
+        location = match &step {
+            Step::Index(index) => &mut location[*index],
+            Step::Key(key) => &mut location[key],
         };
         node = &mut node.part_mut(&step).node;
     }
-    *place = value;
+    *location = value;
     *node = from.node;
     document.value = type_first(std::mem::take(&mut document.value));
     Ok(())
@@ -167,7 +168,7 @@ mod tests {
         let settings: Vec<_> = settings.iter().map(|s| s.to_string()).collect();
         match apply(&mut document, &settings) {
             Ok(()) => Ok(document),
-            Err(mistakes) => Err(mistakes.iter().map(Mistake::to_string).collect::<Vec<_>>().join("\n")),
+            Err(diagnostics) => Err(diagnostics.iter().map(Diagnostic::to_string).collect::<Vec<_>>().join("\n")),
         }
     }
 
@@ -189,17 +190,17 @@ mod tests {
     #[test]
     fn a_set_value_has_its_place_at_the_option() {
         let document = set("transfer: { type: x }\n", &["transfer.k=1"]).unwrap();
-        assert_eq!(document.place(&path(["transfer", "k"]), At::Value).to_string(), "--set transfer.k=1");
-        assert_eq!(document.place(&path(["transfer", "type"]), At::Value).to_string(), "p.yaml:1:19");
+        assert_eq!(document.location(&path(["transfer", "k"]), At::Value).to_string(), "--set transfer.k=1");
+        assert_eq!(document.location(&path(["transfer", "type"]), At::Value).to_string(), "p.yaml:1:19");
     }
 
     #[test]
     fn what_a_value_is_set_into_has_its_place_at_the_option_too() {
         let document = set("transfer: { type: x }\nk: 1\n", &["tranfer.k=1", "metrics.0.type=y", "k.a=1"]).unwrap();
         assert_eq!(document.value["metrics"].to_string(), r#"[{"type":"y"}]"#);
-        assert_eq!(document.place(&path(["tranfer"]), At::Key).to_string(), "--set tranfer.k=1");
-        assert_eq!(document.place(&path(["metrics", "0", "k"]), At::Value).to_string(), "--set metrics.0.type=y");
-        assert_eq!(document.place(&path(["transfer", "z"]), At::Value).to_string(), "p.yaml:1:11");
+        assert_eq!(document.location(&path(["tranfer"]), At::Key).to_string(), "--set tranfer.k=1");
+        assert_eq!(document.location(&path(["metrics", "0", "k"]), At::Value).to_string(), "--set metrics.0.type=y");
+        assert_eq!(document.location(&path(["transfer", "z"]), At::Value).to_string(), "p.yaml:1:11");
     }
 
     #[test]

@@ -1,7 +1,7 @@
-//! From the values of a document to the typed [`Pipeline`], with all mistakes at once.
+//! From the values of a document to the typed [`Pipeline`], with all diagnostics at once.
 //!
-//! Each slot, and each stage of a list, is deserialised on its own. When that fails, the mistake is noted, the offending
-//! value is taken out of a copy, and the rest is tried again, so that a second mistake in it is found as well.
+//! Each slot, and each stage of a list, is deserialised on its own. When that fails, the diagnostic is noted, the offending
+//! value is taken out of a copy, and the rest is tried again, so that a second diagnostic in it is found as well.
 
 use serde::de::DeserializeOwned;
 use serde_json::Value;
@@ -15,7 +15,7 @@ use super::{
 };
 use crate::{
     core::{plugin, stage::Transfer},
-    mistake::Mistake,
+    diagnostic::Diagnostic,
 };
 
 /// The keys of a pipeline, in the order of its documentation.
@@ -37,12 +37,12 @@ pub const SLOTS: [&str; 14] = [
 ];
 
 /// The pipeline that `document` declares, as far as it can be understood, and what is wrong with it.
-pub fn parse(document: &Document) -> (Pipeline, Vec<Mistake>) {
-    let mut slots = Slots { document, mistakes: vec![], meant: vec![] };
+pub fn parse(document: &Document) -> (Pipeline, Vec<Diagnostic>) {
+    let mut slots = Slots { document, diagnostics: vec![], meant: vec![] };
     if !document.value.is_object() {
         let hint = "a pipeline begins with e.g. `source: { rest: horse.obj, poses: horse-??.obj }`";
         let message = "expected a map with the keys `source`, `target`, `correspondence`, `transfer` and `output`";
-        return (Pipeline::default(), vec![document.mistake(&[], At::Value, message).hint(hint)]);
+        return (Pipeline::default(), vec![document.diagnostic(&[], At::Value, message).hint(hint)]);
     }
     slots.unknown();
     let pipeline = Pipeline {
@@ -65,17 +65,17 @@ pub fn parse(document: &Document) -> (Pipeline, Vec<Mistake>) {
         formats: slots.list("formats").unwrap_or_default(),
         output: slots.required("output").unwrap_or_default(),
     };
-    (pipeline, slots.mistakes)
+    (pipeline, slots.diagnostics)
 }
 
-/// Deserialises the value at `path` of `document`; every mistake is added to `mistakes`.
+/// Deserialises the value at `path` of `document`; every diagnostic is added to `diagnostics`.
 ///
-/// The result is what could be understood; it is not to be used if there were mistakes, other than to look for more.
-pub fn value<T: DeserializeOwned>(document: &Document, path: &[Step], mistakes: &mut Vec<Mistake>) -> Option<T> {
+/// The result is what could be understood; it is not to be used if there were diagnostics, other than to look for more.
+pub fn value<T: DeserializeOwned>(document: &Document, path: &[Step], diagnostics: &mut Vec<Diagnostic>) -> Option<T> {
     let mut value = path.iter().try_fold(&document.value, |value, step| step.get(value))?.clone();
     if value.is_array() && describes_map::<T>() {
         // Serde would take a list for the fields of a struct in their order.
-        mistakes.push(mistake(document, path, "invalid type: sequence, expected struct"));
+        diagnostics.push(diagnostic(document, path, "invalid type: sequence, expected struct"));
         return None;
     }
     let mut removed: Vec<Vec<Step>> = vec![];
@@ -90,7 +90,7 @@ pub fn value<T: DeserializeOwned>(document: &Document, path: &[Step], mistakes: 
         let follows = removed.iter().any(|gone| *gone == inner || gone[..gone.len() - 1] == inner[..]);
         if !follows {
             let whole: Vec<Step> = path.iter().chain(&inner).cloned().collect();
-            mistakes.push(mistake(document, &whole, &text));
+            diagnostics.push(diagnostic(document, &whole, &text));
         }
         let gone = take_out(&mut value, &inner, &removed)?;
         removed.push(gone);
@@ -107,7 +107,7 @@ fn describes_map<T: DeserializeOwned>() -> bool {
 
 struct Slots<'a> {
     document: &'a Document,
-    mistakes: Vec<Mistake>,
+    diagnostics: Vec<Diagnostic>,
     /// Slots that unknown keys may have meant, which are not told to be missing as well.
     meant: Vec<&'static str>,
 }
@@ -120,9 +120,9 @@ impl Slots<'_> {
                 let all: Vec<&str> = KEYS.into_iter().chain(SLOTS).collect();
                 self.meant.extend(SLOTS.into_iter().filter(|slot| nearest(key, &all) == Some(slot)));
                 let known = || format!("known keys: {}", all.join(", "));
-                self.mistakes.push(
+                self.diagnostics.push(
                     self.document
-                        .mistake(&[Step::Key(key.clone())], At::Key, format!("unknown key `{key}`"))
+                        .diagnostic(&[Step::Key(key.clone())], At::Key, format!("unknown key `{key}`"))
                         .hint(did_you_mean(key, &all).unwrap_or_else(known)),
                 );
             }
@@ -142,7 +142,7 @@ impl Slots<'_> {
         self.at(&[Step::Key(key.into())])
     }
 
-    /// A list of stages, each read on its own; those with mistakes are left out.
+    /// A list of stages, each read on its own; those with diagnostics are left out.
     fn list<T: DeserializeOwned>(&mut self, key: &str) -> Option<Vec<T>> {
         match self.document.value.get(key).and_then(Value::as_array).map(Vec::len) {
             Some(count) => Some((0..count).filter_map(|i| self.at(&[Step::Key(key.into()), Step::Index(i)])).collect()),
@@ -151,12 +151,12 @@ impl Slots<'_> {
     }
 
     fn at<T: DeserializeOwned>(&mut self, path: &[Step]) -> Option<T> {
-        let mut mistakes = Vec::new();
-        let value = value(self.document, path, &mut mistakes);
+        let mut diagnostics = Vec::new();
+        let value = value(self.document, path, &mut diagnostics);
         let out_of_range = ranges::check(self.document, path);
         // A number out of range may have the wrong type too; the range says more.
-        mistakes.retain(|mistake| !out_of_range.iter().any(|other| other.place == mistake.place));
-        self.mistakes.extend(mistakes.into_iter().chain(out_of_range));
+        diagnostics.retain(|diagnostic| !out_of_range.iter().any(|other| other.location == diagnostic.location));
+        self.diagnostics.extend(diagnostics.into_iter().chain(out_of_range));
         value
     }
 
@@ -170,14 +170,14 @@ impl Slots<'_> {
                     format!("say how, e.g. `{stage}: {{ type: {} }}`; `mimesh list` shows the types", types.join(" | "))
                 }
             };
-            self.mistakes.push(self.document.mistake(&[], At::Value, format!("missing key `{key}`")).hint(hint));
+            self.diagnostics.push(self.document.diagnostic(&[], At::Value, format!("missing key `{key}`")).hint(hint));
         }
         self.optional(key)
     }
 }
 
-/// A mistake at `path` from a message of serde.
-fn mistake(document: &Document, path: &[Step], error: &str) -> Mistake {
+/// A diagnostic at `path` from a message of serde.
+fn diagnostic(document: &Document, path: &[Step], error: &str) -> Diagnostic {
     let stage = stage_at(path);
     let in_type = path.last() == Some(&Step::Key("type".into()));
     let key = path.iter().rev().find_map(|step| if let Step::Key(key) = step { Some(key.as_str()) } else { None });
@@ -192,7 +192,7 @@ fn mistake(document: &Document, path: &[Step], error: &str) -> Mistake {
     if error.starts_with("unknown variant") && stage.is_some() && !in_type {
         at.push(Step::Key("type".into()));
     }
-    document.mistake(&at, if told.about_key && !missing { At::Key } else { At::Value }, told.message).hint(hint)
+    document.diagnostic(&at, if told.about_key && !missing { At::Key } else { At::Value }, told.message).hint(hint)
 }
 
 /// The stage whose settings stand at `path` itself.
@@ -200,7 +200,7 @@ pub(super) fn stage_at(path: &[Step]) -> Option<String> {
     let keys: Vec<_> = path.iter().map(Step::to_string).collect();
     let keys: Vec<_> = keys.iter().map(String::as_str).collect();
     match keys[..] {
-        ["source" | "target", "sample"] => Some("sample".into()),
+        ["source" | "target", "generator"] => Some("generator".into()),
         ["key_points" | "proximity" | "correspondence" | "transfer"] => Some(keys[0].into()),
         ["key_points" | "transfer", .., "ranking"] => Some("weights".into()),
         // Stages nested in stages are called as what they are.
@@ -251,10 +251,10 @@ mod tests {
 
     use super::*;
 
-    fn mistakes(text: &str) -> Vec<String> {
+    fn diagnostics(text: &str) -> Vec<String> {
         let document = Document::parse(Path::new("p.yaml"), text).unwrap();
-        let (_, mistakes) = parse(&document);
-        mistakes.iter().map(|m| format!("{m}").lines().next().unwrap_or_default().to_owned()).collect()
+        let (_, diagnostics) = parse(&document);
+        diagnostics.iter().map(|m| format!("{m}").lines().next().unwrap_or_default().to_owned()).collect()
     }
 
     const GOOD: &str = "source: { rest: a.obj, poses: b-*.obj }\ntarget: { rest: c.obj }\n\
@@ -262,7 +262,7 @@ mod tests {
 
     #[test]
     fn a_good_pipeline_has_no_mistakes() {
-        assert_eq!(mistakes(GOOD), Vec::<String>::new());
+        assert_eq!(diagnostics(GOOD), Vec::<String>::new());
     }
 
     #[test]
@@ -280,7 +280,7 @@ mod tests {
             transfer:\n  type: test_transfer\n  strength: much\n  strenght: 1\noutput: { a: 1 }\n\
             metrics: [{ tipe: x }, { type: y }, { type: z }]\n";
         assert_eq!(
-            mistakes(text),
+            diagnostics(text),
             [
                 "p.yaml:1:1: unknown key `sorce`",
                 "p.yaml:3:9: `rest`: expected a text, found 7",
@@ -301,7 +301,7 @@ mod tests {
     fn every_wrong_item_of_a_list_is_told_at_its_own_place() {
         let text = GOOD.replace("out/{pose}.obj", "[1, a.obj, [b], c.obj, 2]").replace("b-*.obj", "[x, 3, 4]");
         assert_eq!(
-            mistakes(&text),
+            diagnostics(&text),
             [
                 "p.yaml:1:35: `poses`: expected a text, found 3",
                 "p.yaml:1:38: `poses`: expected a text, found 4",
@@ -315,21 +315,21 @@ mod tests {
     #[test]
     fn a_number_out_of_its_range_is_told_with_the_range() {
         let text = GOOD.replace("strength: 2", "strength: -1");
-        assert_eq!(mistakes(&text), ["p.yaml:4:44: `strength`: expected at least 0, found -1"]);
+        assert_eq!(diagnostics(&text), ["p.yaml:4:44: `strength`: expected at least 0, found -1"]);
     }
 
     #[test]
     fn a_stage_given_as_a_word_is_told_how_to_write_it() {
         let text = GOOD.replace("{ type: test_correspondence }", "test_correspondence");
         assert!(
-            mistakes(&text)[0]
+            diagnostics(&text)[0]
                 .starts_with("p.yaml:3:17: `correspondence`: expected a map that begins with `type`, e.g. `{ type: ")
         );
     }
 
     #[test]
     fn missing_keys_are_told_together() {
-        let all = mistakes("markers: a.cons\n");
+        let all = diagnostics("markers: a.cons\n");
         let missing = ["source", "target", "correspondence", "transfer", "output"];
         assert_eq!(all, missing.map(|key| format!("p.yaml:1:1: missing key `{key}`")));
     }

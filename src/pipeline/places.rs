@@ -9,7 +9,7 @@ use std::{
 use saphyr::{LoadableYamlNode, MarkedYaml, Scalar, YamlData};
 
 use super::{Step, document::restored};
-use crate::mistake::Place;
+use crate::diagnostic::Location;
 
 /// The text of a file.
 #[derive(Debug)]
@@ -83,15 +83,15 @@ impl Span {
 }
 
 impl Spot {
-    /// As a mistake tells it; marks of a value that goes on in the next line end with the line.
-    pub fn place(&self) -> Place {
+    /// As a diagnostic tells it; marks of a value that goes on in the next line end with the line.
+    pub fn location(&self) -> Location {
         match self {
-            Self::Option(option) => Place::Option(option.to_string()),
-            Self::File(text) => Place::File(text.file.clone()),
+            Self::Option(option) => Location::Option(option.to_string()),
+            Self::File(text) => Location::File(text.file.clone()),
             Self::Text(text, span) => {
                 let line = text.lines.get(span.line.max(1) - 1).cloned().unwrap_or_default();
                 let rest = line.chars().skip(span.column).collect::<String>().trim_end().chars().count();
-                Place::Span {
+                Location::Span {
                     file: text.file.clone(),
                     line: span.line.max(1),
                     column: span.column + 1,
@@ -160,8 +160,9 @@ impl Node {
     }
 
     /// Whether it, a part of it, or a key was written at `place`.
-    pub fn has(&self, place: &Place) -> bool {
-        self.spot.place() == *place || self.parts.iter().any(|part| part.key.place() == *place || part.node.has(place))
+    pub fn has(&self, location: &Location) -> bool {
+        self.spot.location() == *location
+            || self.parts.iter().any(|part| part.key.location() == *location || part.node.has(location))
     }
 
     /// A part, if it has a place of its own.

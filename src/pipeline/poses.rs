@@ -24,8 +24,8 @@ use crate::{
         mesh::check_finite,
         stage::{BoundTransfer, Frame, Judged, MeshWriter, Motion, SequenceWriter, Transferred, WriteError},
     },
-    mistake::{self, Mistake},
-    status::Status,
+    diagnostic::Kind,
+    diagnostic::{self, Diagnostic},
 };
 
 /// Poses in the making for each thread: enough that none waits for the slowest of a chunk for long.
@@ -57,7 +57,7 @@ pub struct Stream {
     /// The poses in order.
     pub poses: Vec<PoseReport>,
     /// Those that failed.
-    pub failed: Vec<Mistake>,
+    pub failed: Vec<Diagnostic>,
     /// The results, written aside.
     pub files: Vec<Staged>,
     /// Sentences about single poses.
@@ -88,7 +88,7 @@ struct Done {
     files: Vec<Staged>,
 }
 
-type Tried<T> = std::result::Result<T, Mistake>;
+type Tried<T> = std::result::Result<T, Diagnostic>;
 
 impl Bench<'_> {
     /// Sends all poses through.
@@ -96,7 +96,7 @@ impl Bench<'_> {
     /// # Errors
     ///
     /// If a result cannot be written; poses that fail on their own are in the result.
-    pub fn stream(&self) -> mistake::Result<Stream> {
+    pub fn stream(&self) -> diagnostic::Result<Stream> {
         let mut stream = Stream::default();
         let mut sequences = self.sequences()?;
         let chunk = rayon::current_num_threads() * POSES_PER_THREAD;
@@ -121,7 +121,7 @@ impl Bench<'_> {
             };
             let done: Vec<_> = chunk.par_iter().enumerate().map(finish).collect();
             for (k, ((_, pose), done)) in chunk.iter().zip(done).enumerate() {
-                let mistake = match (&passed[before + k], done) {
+                let diagnostic = match (&passed[before + k], done) {
                     (Ok(ready), Some(Ok(done))) => {
                         for (path, writer) in &mut sequences {
                             writer.add(&pose.name, &ready.positions).map_err(|error| writing(path, error))?;
@@ -132,17 +132,17 @@ impl Bench<'_> {
                         stream.files.extend(done.files);
                         continue;
                     }
-                    (Err(mistake), _) => mistake.clone(),
-                    (_, Some(Err(mistake))) => mistake,
+                    (Err(diagnostic), _) => diagnostic.clone(),
+                    (_, Some(Err(diagnostic))) => diagnostic,
                     (Ok(_), None) => continue,
                 };
                 // A full disk is no fault of the pose.
-                if mistake.status == Status::CannotWrite {
-                    return Err(mistake.into());
+                if diagnostic.kind == Kind::CannotWrite {
+                    return Err(diagnostic.into());
                 }
-                let error = Some(mistake.to_json());
+                let error = Some(diagnostic.to_json());
                 stream.poses.push(PoseReport { name: pose.name.clone(), error, ..PoseReport::default() });
-                stream.failed.push(mistake);
+                stream.failed.push(diagnostic);
             }
             passed.drain(..passed.len().saturating_sub(2));
         }
@@ -179,7 +179,7 @@ impl Bench<'_> {
         }
         let Some(bound) = self.bound else {
             let message = format!("pose {}: its kept result was removed while this run was to use it", pose.name);
-            return Err(Mistake::new(Status::Internal, message).hint("run again, or with `--no-cache`"));
+            return Err(Diagnostic::new(Kind::Internal, message).hint("run again, or with `--no-cache`"));
         };
         let posed = self.posed(pose)?;
         let moved = self.moved(i, pose, &posed, |posed| bound.transfer(posed))?;
@@ -383,7 +383,7 @@ fn writing(path: &Path, error: WriteError) -> Error {
     }
 }
 
-/// Whatever goes wrong while writing ends the run, so it is no mistake of the pose.
-fn cannot_write(error: Error) -> Mistake {
-    Mistake { status: Status::CannotWrite, ..error.into() }
+/// Whatever goes wrong while writing ends the run, so it is no diagnostic of the pose.
+fn cannot_write(error: Error) -> Diagnostic {
+    Diagnostic { kind: Kind::CannotWrite, ..error.into() }
 }

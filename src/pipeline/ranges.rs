@@ -6,19 +6,19 @@ use serde_json::Value;
 use super::{At, Document, Step, parse::stage_at};
 use crate::{
     core::{Plugin, plugin},
-    mistake::Mistake,
+    diagnostic::Diagnostic,
 };
 
 /// The numbers at and below `path` that lie outside their range, in stages told apart by `type`.
-pub fn check(document: &Document, path: &[Step]) -> Vec<Mistake> {
-    let mut mistakes = Vec::new();
+pub fn check(document: &Document, path: &[Step]) -> Vec<Diagnostic> {
+    let mut diagnostics = Vec::new();
     if let Some(value) = path.iter().try_fold(&document.value, |value, step| step.get(value)) {
-        visit(document, &mut path.to_vec(), value, &mut mistakes);
+        visit(document, &mut path.to_vec(), value, &mut diagnostics);
     }
-    mistakes
+    diagnostics
 }
 
-fn visit(document: &Document, path: &mut Vec<Step>, value: &Value, mistakes: &mut Vec<Mistake>) {
+fn visit(document: &Document, path: &mut Vec<Step>, value: &Value, diagnostics: &mut Vec<Diagnostic>) {
     match value {
         Value::Object(map) => {
             let stage = stage_at(path);
@@ -31,16 +31,16 @@ fn visit(document: &Document, path: &mut Vec<Step>, value: &Value, mistakes: &mu
                     && let Some(expected) = violated(range, number)
                 {
                     let message = format!("`{key}`: expected {expected}, found {value}");
-                    mistakes.push(document.mistake(path, At::Value, message));
+                    diagnostics.push(document.diagnostic(path, At::Value, message));
                 }
-                visit(document, path, value, mistakes);
+                visit(document, path, value, diagnostics);
                 path.pop();
             }
         }
         Value::Array(list) => {
             for (i, value) in list.iter().enumerate() {
                 path.push(Step::Index(i));
-                visit(document, path, value, mistakes);
+                visit(document, path, value, diagnostics);
                 path.pop();
             }
         }

@@ -24,9 +24,9 @@ use crate::{
         Error, Figures,
         stage::{Pair, ProximityGraph, Subject, TriangleMap},
     },
-    mistake::{Failure, Mistake, Place, Result},
+    diagnostic::Kind,
+    diagnostic::{Diagnostic, Diagnostics, Location, Result},
     page,
-    status::Status,
 };
 
 /// How a run went.
@@ -35,7 +35,7 @@ pub struct Outcome {
     /// What it did.
     pub report: Report,
     /// The poses that failed, each told; the others are written.
-    pub failed: Vec<Mistake>,
+    pub failed: Vec<Diagnostic>,
 }
 
 /// Runs `prepared` on `threads` threads (0: as many as the machine has); `set` is what the command line set, and `cache` keeps
@@ -55,7 +55,7 @@ pub fn run(
     watch: &dyn Watch,
 ) -> Result<Outcome> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-    let pool = pool.map_err(|error| Mistake::new(Status::Internal, format!("cannot start threads: {error}")))?;
+    let pool = pool.map_err(|error| Diagnostic::new(Kind::Internal, format!("cannot start threads: {error}")))?;
     pool.install(|| Run { prepared, watch, stages: vec![prepared.reading.clone()], cache }.run(set))
 }
 
@@ -73,7 +73,7 @@ impl Run<'_> {
     fn run(mut self, set: &[String]) -> Result<Outcome> {
         let prepared = self.prepared;
         let Some(transfer) = &prepared.pipeline.transfer else {
-            return Err(Mistake::new(Status::Internal, "a pipeline without stages was taken for checked").into());
+            return Err(Diagnostic::new(Kind::Internal, "a pipeline without stages was taken for checked").into());
         };
         staging::remove_abandoned(&prepared.outputs.places());
         let (source, target) = (&prepared.source, &prepared.target);
@@ -181,7 +181,7 @@ impl Run<'_> {
         staged.extend(files);
         self.stages.push(clock.stop("poses", "", Figures::default()));
         if failed.len() == poses.len() {
-            return Err(Failure { mistakes: failed });
+            return Err(Diagnostics { diagnostics: failed });
         }
 
         self.watch.stage("writing");
@@ -261,10 +261,10 @@ impl Run<'_> {
                 Ok(result)
             }
             Err(error) => {
-                let mistake = Mistake::from(error);
+                let diagnostic = Diagnostic::from(error);
                 // Some say themselves which stage they are about.
-                let message = mistake.message.trim_start_matches(&format!("{stage}: ")).to_owned();
-                Err(Mistake { message, ..mistake }.doing(format!("{stage} ({name})")).into())
+                let message = diagnostic.message.trim_start_matches(&format!("{stage}: ")).to_owned();
+                Err(Diagnostic { message, ..diagnostic }.doing(format!("{stage} ({name})")).into())
             }
         }
     }
@@ -337,7 +337,7 @@ fn inputs(prepared: &Prepared) -> Result<Vec<InputFile>> {
         Ok(file) => Some(Ok(file)),
         // A pose that cannot be read has been told; it is left out here.
         Err(_) if input.is_pose() => None,
-        Err(error) => Some(Err(Failure::from(Error::read(&input.path, error)))),
+        Err(error) => Some(Err(Diagnostics::from(Error::read(&input.path, error)))),
     };
     prepared.inputs.par_iter().filter_map(told).collect()
 }
@@ -361,14 +361,14 @@ fn deduplicate(warnings: &mut Vec<String>) {
 }
 
 /// An error about the pose `name`, at its file if it has one.
-pub(super) fn of_pose(name: &str, file: Option<&Path>, doing: Option<String>, error: Error) -> Mistake {
-    let mistake = Mistake::from(error);
-    let mistake = match doing {
-        Some(doing) => mistake.doing(format!("{doing}: pose {name}")),
-        None => mistake,
+pub(super) fn of_pose(name: &str, file: Option<&Path>, doing: Option<String>, error: Error) -> Diagnostic {
+    let diagnostic = Diagnostic::from(error);
+    let diagnostic = match doing {
+        Some(doing) => diagnostic.doing(format!("{doing}: pose {name}")),
+        None => diagnostic,
     };
-    match (mistake.place.is_none(), file) {
-        (true, Some(file)) => mistake.at(Place::File(file.into())),
-        _ => mistake,
+    match (diagnostic.location.is_none(), file) {
+        (true, Some(file)) => diagnostic.at(Location::File(file.into())),
+        _ => diagnostic,
     }
 }

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::OneOrMany;
 use crate::{
-    core::stage::{Correspondence, Format, KeyPoints, Metric, Proximity, Sample, Transfer},
+    core::stage::{Correspondence, Format, Generator, KeyPoints, Metric, Proximity, Transfer},
     markers::MarkerFiles,
 };
 
@@ -48,7 +48,7 @@ pub struct Pipeline {
     pub transfer: Option<Box<dyn Transfer>>,
     /// The known results to score against: a file a pose with `{pose}` in its name, or one file that holds all poses.
     ///
-    /// A target made by a sample brings its own.
+    /// A target made by a generator brings its own.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("examples" = ["truth/camel-{pose}.obj"]))]
     pub truth: Option<PathBuf>,
@@ -74,7 +74,7 @@ pub struct Pipeline {
     pub output: OneOrMany,
 }
 
-/// The mesh that gives its motion: files, or a sample.
+/// The mesh that gives its motion: files, or a generator.
 #[derive(Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Source {
@@ -89,10 +89,10 @@ pub struct Source {
     pub poses: Option<OneOrMany>,
     /// Made instead of read.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub sample: Option<Box<dyn Sample>>,
+    pub generator: Option<Box<dyn Generator>>,
 }
 
-/// The mesh that takes the motion: a file, or a sample.
+/// The mesh that takes the motion: a file, or a generator.
 #[derive(Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Target {
@@ -101,7 +101,7 @@ pub struct Target {
     pub rest: Option<PathBuf>,
     /// Made instead of read; its poses are the truth.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub sample: Option<Box<dyn Sample>>,
+    pub generator: Option<Box<dyn Generator>>,
 }
 
 /// From where the meshes are looked at.

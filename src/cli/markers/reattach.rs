@@ -5,8 +5,8 @@ use serde_json::json;
 use super::{Common, percent, read_mesh, told};
 use crate::{
     cli::{Ended, terminal},
+    diagnostic::{Diagnostics, Result},
     markers::{MarkerFile, given, reattach},
-    mistake::{Failure, Result},
     pipeline::hash_file,
     status::Status,
 };
@@ -43,7 +43,7 @@ impl Reattach {
         let files = loaded.mesh_files();
         let olds = [&self.old_source, &self.old_target];
         let mut moves = vec![];
-        let mut mistakes = vec![];
+        let mut diagnostics = vec![];
         for (k, side) in [source, target].into_iter().enumerate() {
             let old = olds[k].as_ref().map(|file| read_mesh(file)).transpose()?;
             if old.is_none() && !has_changed(&markers, side.name, files[k], olds[1 - k].is_some()) {
@@ -53,11 +53,11 @@ impl Reattach {
             let old = old.as_ref().map(|old| old.for_markers(side.name));
             match reattach::reattach(&mut markers, old, side, self.common.force) {
                 Ok(of_side) => moves.push(of_side),
-                Err(failure) => mistakes.extend(failure.mistakes),
+                Err(failure) => diagnostics.extend(failure.diagnostics),
             }
         }
-        if !mistakes.is_empty() {
-            return Err(Failure { mistakes });
+        if !diagnostics.is_empty() {
+            return Err(Diagnostics { diagnostics });
         }
         given::remember(&mut markers, source, target, files)?;
         let written = self.common.write(&loaded, &markers)?;

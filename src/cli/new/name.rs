@@ -1,7 +1,7 @@
 //! Names of new crates and stages.
 
-use super::{templates::Template, wrong_name};
-use crate::mistake::Mistake;
+use super::{template::Template, wrong_name};
+use crate::diagnostic::Diagnostic;
 
 /// Words that Rust, or cargo, keeps to itself.
 const KEPT: &str = "abstract alloc as async await become box break build const continue core crate deps do dyn else enum \
@@ -22,7 +22,7 @@ pub struct Name {
 
 impl Name {
     /// Reads a name: words of lower-case letters and digits, each beginning with a letter, with `-` or `_` between them.
-    pub fn new(given: &str) -> Result<Self, Mistake> {
+    pub fn new(given: &str) -> Result<Self, Diagnostic> {
         Self::read(given).ok_or_else(|| {
             let proposed = proposed(given).unwrap_or_else(|| "my-sampler".into());
             let message =
@@ -44,7 +44,7 @@ impl Name {
     }
 
     /// Checks that the name means nothing else in what is written.
-    pub fn check(self, template: &Template) -> Result<Self, Mistake> {
+    pub fn check(self, template: &Template) -> Result<Self, Diagnostic> {
         let code = template.library.lines().filter(|line| !line.trim_start().starts_with("//"));
         let mut words = code.flat_map(|line| line.split(|c: char| !c.is_alphanumeric() && c != '_'));
         let is_kept =

@@ -23,8 +23,8 @@ pub use store::{Found, Kept, Key, Store};
 
 use crate::{
     core::Error,
-    mistake::{Mistake, Result},
-    status::Status,
+    diagnostic::Kind,
+    diagnostic::{Diagnostic, Result},
 };
 
 /// The variable of the environment that names the cache's folder.
@@ -51,7 +51,7 @@ impl Cache {
     pub fn new(folder: Option<&Path>, limit: u64) -> Result<Self> {
         let folder = folder.map_or_else(default_folder, |folder| Ok(folder.into()))?;
         let program = keys::program().ok_or_else(|| {
-            Mistake::new(Status::Internal, "the program cannot read its own file, by which results are kept")
+            Diagnostic::new(Kind::Internal, "the program cannot read its own file, by which results are kept")
                 .hint("run with `--no-cache`")
         })?;
         Ok(Self { store: Store::new(&folder, limit), program, warnings: Mutex::default() })
@@ -108,7 +108,7 @@ fn default_folder() -> Result<PathBuf> {
         return Ok(folder.into());
     }
     dirs::cache_dir().map(|folder| folder.join("mimesh")).ok_or_else(|| {
-        Mistake::new(Status::CannotWrite, "the system names no folder for caches")
+        Diagnostic::new(Kind::CannotWrite, "the system names no folder for caches")
             .hint(format!("name one: `--cache DIR` or the variable {VARIABLE}; or run with `--no-cache`"))
             .into()
     })

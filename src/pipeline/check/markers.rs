@@ -3,13 +3,13 @@ use std::path::Path;
 use super::{Check, Options, Side};
 use crate::{
     core::stage::Marker,
+    diagnostic::Kind,
+    diagnostic::{Diagnostic, Result},
     markers::{self, MarkerFile, MarkerFiles, given},
-    mistake::{Mistake, Result},
     pipeline::{Formats, Step, compose, document::path, parse},
-    status::Status,
 };
 
-/// The part of a pipeline that markers lie on: its two meshes at rest, without mistakes.
+/// The part of a pipeline that markers lie on: its two meshes at rest, without diagnostics.
 #[derive(Debug)]
 pub struct Meshes {
     /// What gives its motion.
@@ -24,27 +24,27 @@ pub struct Meshes {
 ///
 /// # Errors
 ///
-/// All mistakes in that part.
+/// All diagnostics in that part.
 pub fn meshes(file: &Path, options: &Options) -> Result<Meshes> {
     let (document, included, _) = compose::compose_source(file, &options.settings)?;
-    let (mut pipeline, mistakes) = parse::parse(&document);
+    let (mut pipeline, diagnostics) = parse::parse(&document);
     // A pipeline may still lack what only a run needs.
-    let missing = |mistake: &Mistake| {
+    let missing = |diagnostic: &Diagnostic| {
         let needed = ["source", "target"].map(|key| format!("missing key `{key}`"));
-        mistake.message.starts_with("missing key") && !needed.contains(&mistake.message)
+        diagnostic.message.starts_with("missing key") && !needed.contains(&diagnostic.message)
     };
     let mut check = Check {
         document: &document,
         formats: Formats::new(std::mem::take(&mut pipeline.formats)),
         inputs: super::files(file, &included),
-        mistakes: mistakes.into_iter().filter(|mistake| !missing(mistake)).collect(),
+        diagnostics: diagnostics.into_iter().filter(|diagnostic| !missing(diagnostic)).collect(),
         warnings: vec![],
     };
-    let source = check.side("source", pipeline.source.rest.as_deref(), pipeline.source.sample.as_deref());
+    let source = check.side("source", pipeline.source.rest.as_deref(), pipeline.source.generator.as_deref());
     let target = check.target(&pipeline.target);
     check.end(file)?;
     let (Some(source), Some(target)) = (source, target) else {
-        return Err(Mistake::new(Status::Internal, "a mesh was refused without a reason").into());
+        return Err(Diagnostic::new(Kind::Internal, "a mesh was refused without a reason").into());
     };
     let markers = pipeline.markers.map(|files| check.marker_files(&files));
     Ok(Meshes { source, target, markers })
@@ -71,7 +71,7 @@ impl Check<'_> {
             return self.resolve_markers(&landmarks, None, source, target);
         };
         let files = self.marker_files(files);
-        let before = self.mistakes.len();
+        let before = self.diagnostics.len();
         for (key, file) in files.named() {
             let at: Vec<Step> = path(["markers"]).into_iter().chain(key.map(|key| Step::Key(key.into()))).collect();
             let role = match key {
@@ -81,13 +81,13 @@ impl Check<'_> {
             };
             self.input(role, file, &at);
         }
-        if self.mistakes.len() > before {
+        if self.diagnostics.len() > before {
             return None;
         }
         let given = match given::read(&files) {
             Ok(given) => given,
             Err(failure) => {
-                self.mistakes.extend(failure.mistakes);
+                self.diagnostics.extend(failure.diagnostics);
                 return None;
             }
         };
@@ -99,7 +99,7 @@ impl Check<'_> {
                 self.resolve_markers(&found.markers, files.one().map(|file| file.as_path()), source, target)
             }
             Err(failure) => {
-                self.mistakes.extend(failure.mistakes);
+                self.diagnostics.extend(failure.diagnostics);
                 None
             }
         }
@@ -135,7 +135,7 @@ impl Check<'_> {
         match markers.resolve(source, target) {
             Ok(markers) => Some(markers),
             Err(failure) => {
-                self.mistakes.extend(failure.mistakes);
+                self.diagnostics.extend(failure.diagnostics);
                 None
             }
         }

@@ -5,17 +5,17 @@ use crate::{
     core::{
         Error,
         mesh::{MeshSequence, Surface},
-        stage::Sample,
+        stage::Generator,
     },
-    mistake::{Mistake, Place},
+    diagnostic::Kind,
+    diagnostic::{Diagnostic, Location},
     pipeline::{At, OneOrMany, Source, Step, Target, document::path, resolve},
-    status::Status,
 };
 
 /// One of the two meshes at rest.
 #[derive(Debug)]
 pub struct Side {
-    /// Its file, if it is not a sample.
+    /// Its file, if it is not a generator.
     pub path: Option<PathBuf>,
     /// The mesh with the poses and landmarks that come with it.
     pub sequence: MeshSequence,
@@ -44,11 +44,11 @@ pub enum PoseFrom {
 impl Check<'_> {
     /// The source and its poses, as far as they can be had.
     pub(super) fn source(&mut self, source: &Source) -> (Option<Side>, Vec<PoseInput>) {
-        if source.sample.is_some() && source.poses.is_some() {
-            let hint = "a sample brings its own poses; remove `poses`";
-            self.wrong(&path(["source", "poses"]), At::Key, "`poses` beside `sample`", hint);
+        if source.generator.is_some() && source.poses.is_some() {
+            let hint = "a generator brings its own poses; remove `poses`";
+            self.wrong(&path(["source", "poses"]), At::Key, "`poses` beside `generator`", hint);
         }
-        let side = self.side("source", source.rest.as_deref(), source.sample.as_deref());
+        let side = self.side("source", source.rest.as_deref(), source.generator.as_deref());
         let poses = match (&source.poses, &side) {
             (Some(patterns), _) => self.pose_files(patterns, source.rest.as_deref()),
             (None, Some(side)) => {
@@ -60,7 +60,8 @@ impl Check<'_> {
                 // A wrong `poses` has been told already.
                 let said = self.document.value.get("source").and_then(|source| source.get("poses"));
                 if poses.is_empty() && said.is_none_or(serde_json::Value::is_null) {
-                    let what = if side.path.is_some() { "the rest file holds none" } else { "the sample makes none" };
+                    let what =
+                        if side.path.is_some() { "the rest file holds none" } else { "the generator makes none" };
                     let hint = "say where they are, e.g. `poses: horse-??.obj`";
                     self.missing(&path(["source"]), format!("the source has no poses: {what}"), hint);
                 }
@@ -72,7 +73,7 @@ impl Check<'_> {
     }
 
     pub(super) fn target(&mut self, target: &Target) -> Option<Side> {
-        self.side("target", target.rest.as_deref(), target.sample.as_deref())
+        self.side("target", target.rest.as_deref(), target.generator.as_deref())
     }
 
     /// Warns if one of the two has its faces turned the other way round: correspondences look at where faces point.
@@ -94,31 +95,32 @@ impl Check<'_> {
         &mut self,
         name: &'static str,
         rest: Option<&Path>,
-        sample: Option<&dyn Sample>,
+        generator: Option<&dyn Generator>,
     ) -> Option<Side> {
         let slot = path([name]);
-        match (rest, sample) {
+        match (rest, generator) {
             (Some(_), Some(_)) => {
                 let hint = "a mesh is either read or made; remove one of the two";
-                self.wrong(&path([name, "sample"]), At::Key, "`sample` beside `rest`", hint);
+                self.wrong(&path([name, "generator"]), At::Key, "`generator` beside `rest`", hint);
                 None
             }
             (None, None) => {
                 let said = self.document.value.get(name).and_then(|slot| slot.as_object());
                 // A wrong `rest` has been told already, and so has a missing slot.
-                if said.is_some_and(|said| !said.contains_key("rest") && !said.contains_key("sample")) {
+                if said.is_some_and(|said| !said.contains_key("rest") && !said.contains_key("generator")) {
                     let hint = format!("say which mesh, e.g. `{name}: {{ rest: mesh.obj }}`");
-                    self.wrong(&slot, At::Value, format!("the {name} has neither `rest` nor `sample`"), hint);
+                    self.wrong(&slot, At::Value, format!("the {name} has neither `rest` nor `generator`"), hint);
                 }
                 None
             }
-            (None, Some(sample)) => match sample.make().and_then(|made| Side::new(None, made)) {
+            (None, Some(generator)) => match generator.make().and_then(|made| Side::new(None, made)) {
                 Ok(side) => Some(side),
                 Err(error) if self.has_told(&error) => None,
                 Err(error) => {
-                    let at = path([name, "sample"]);
-                    let mistake = Mistake::from(error).doing(format!("sample ({})", sample.typetag_name()));
-                    self.mistakes.push(Mistake { place: Some(self.document.place(&at, At::Value)), ..mistake });
+                    let at = path([name, "generator"]);
+                    let diagnostic = Diagnostic::from(error).doing(format!("generator ({})", generator.typetag_name()));
+                    self.diagnostics
+                        .push(Diagnostic { location: Some(self.document.location(&at, At::Value)), ..diagnostic });
                     None
                 }
             },
@@ -129,9 +131,9 @@ impl Check<'_> {
     fn read_side(&mut self, name: &'static str, file: &Path) -> Option<Side> {
         let at = path([name, "rest"]);
         let role = if name == "source" { "source rest" } else { "target rest" };
-        let before = self.mistakes.len();
+        let before = self.diagnostics.len();
         self.empty_texts(&at);
-        if self.mistakes.len() > before || !self.input(role, file, &at) {
+        if self.diagnostics.len() > before || !self.input(role, file, &at) {
             return None;
         }
         let format = match self.formats.reader(file) {
@@ -148,7 +150,7 @@ impl Check<'_> {
                 Some(side)
             }
             Err(error) => {
-                self.mistakes.push(in_file(file, error));
+                self.diagnostics.push(in_file(file, error));
                 None
             }
         }
@@ -281,16 +283,16 @@ impl Input {
 
 /// An error about the contents of `file`; those that do not name it are placed there, and one about a file that it
 /// needs says so.
-pub fn in_file(file: &Path, error: Error) -> Mistake {
-    let mut mistake = Mistake::from(error);
-    if let Some(Place::File(other)) = &mistake.place
+pub fn in_file(file: &Path, error: Error) -> Diagnostic {
+    let mut diagnostic = Diagnostic::from(error);
+    if let Some(Location::File(other)) = &diagnostic.location
         && other != file
     {
-        mistake.message += &format!(", and {} needs it", file.display());
+        diagnostic.message += &format!(", and {} needs it", file.display());
     }
-    let place = mistake.place.clone().unwrap_or_else(|| Place::File(file.into()));
-    let status = if mistake.status == Status::BadPipeline { Status::BadData } else { mistake.status };
-    Mistake { status, ..mistake.at(place) }
+    let location = diagnostic.location.clone().unwrap_or_else(|| Location::File(file.into()));
+    let status = if diagnostic.kind == Kind::BadPipeline { Kind::BadData } else { diagnostic.kind };
+    Diagnostic { kind: status, ..diagnostic.at(location) }
 }
 
 /// What there is in the folder where a glob matched nothing.

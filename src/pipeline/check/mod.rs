@@ -35,8 +35,8 @@ use crate::{
         Figures, plugin,
         stage::{Marker, Metric},
     },
-    mistake::{Failure, Mistake, Place, Result},
-    status::Status,
+    diagnostic::Kind,
+    diagnostic::{Diagnostic, Diagnostics, Location, Result},
 };
 
 /// What the command line adds to a pipeline's file.
@@ -48,7 +48,7 @@ pub struct Options {
     pub out: Option<PathBuf>,
 }
 
-/// A pipeline without mistakes, its rest meshes read.
+/// A pipeline without diagnostics, its rest meshes read.
 #[derive(Debug)]
 pub struct Prepared {
     /// The pipeline's file.
@@ -96,7 +96,7 @@ pub struct Input {
 ///
 /// # Errors
 ///
-/// All mistakes that can be found without computing or reading poses, and that there are several runs.
+/// All diagnostics that can be found without computing or reading poses, and that there are several runs.
 pub fn prepare(file: &Path, options: &Options) -> Result<Prepared> {
     let mut all = prepare_all(file, options)?;
     match (all.pop(), all.len()) {
@@ -104,7 +104,7 @@ pub fn prepare(file: &Path, options: &Options) -> Result<Prepared> {
         (_, others) => {
             let message = format!("the pipeline declares {} runs, expected one", others + 1);
             let hint = "name one target, and set `matrix` to nothing: `--set matrix=`";
-            Err(Mistake::new(Status::BadPipeline, message).at(Place::File(file.into())).hint(hint).into())
+            Err(Diagnostic::new(Kind::BadPipeline, message).at(Location::File(file.into())).hint(hint).into())
         }
     }
 }
@@ -113,18 +113,18 @@ pub fn prepare(file: &Path, options: &Options) -> Result<Prepared> {
 ///
 /// # Errors
 ///
-/// All mistakes of all runs that can be found without computing or reading poses, each once.
+/// All diagnostics of all runs that can be found without computing or reading poses, each once.
 pub fn prepare_all(file: &Path, options: &Options) -> Result<Vec<Prepared>> {
     let mut clock = Clock::start();
-    let compose::Runs { runs, included, mistakes, left, warnings } = compose::compose(file, &options.settings)?;
+    let compose::Runs { runs, included, diagnostics, left, warnings } = compose::compose(file, &options.settings)?;
     let several = runs.len() > 1;
-    let mut told = Told::new(&runs, mistakes, left);
+    let mut told = Told::new(&runs, diagnostics, left);
     let mut shared = Shared::default();
     let mut prepared = Vec::new();
     for (i, run) in runs.into_iter().enumerate() {
         match one(file, &included, run, options, several, &mut shared) {
             Ok(one) => prepared.push(Prepared { reading: clock.stop("reading", "", Figures::default()), ..one }),
-            Err(failure) => told.add(i, failure.mistakes),
+            Err(failure) => told.add(i, failure.diagnostics),
         }
         clock = Clock::start();
     }
@@ -150,12 +150,12 @@ fn one(
 ) -> Result<Prepared> {
     let clock = Clock::start();
     let OneRun { variant, document } = run;
-    let (mut pipeline, mistakes) = parse::parse(&document);
+    let (mut pipeline, diagnostics) = parse::parse(&document);
     let mut check = Check {
         document: &document,
         formats: Formats::new(std::mem::take(&mut pipeline.formats)),
         inputs: files(file, included),
-        mistakes,
+        diagnostics,
         warnings: vec![],
     };
     check.registry();
@@ -177,11 +177,11 @@ fn one(
         .as_deref()
         .map(|typed| Out { typed, folder: if several { typed.join(&variant.name) } else { typed.into() } });
     let outputs = check.outputs(&pipeline, &poses, out.as_ref());
-    if !check.mistakes.is_empty() {
-        return Err(Failure { mistakes: check.mistakes });
+    if !check.diagnostics.is_empty() {
+        return Err(Diagnostics { diagnostics: check.diagnostics });
     }
     let (Some(source), Some(target), Some(markers)) = (source, target, markers) else {
-        return Err(Mistake::new(Status::Internal, "a mesh was refused without a reason").into());
+        return Err(Diagnostic::new(Kind::Internal, "a mesh was refused without a reason").into());
     };
     Ok(Prepared {
         file: file.into(),
@@ -213,14 +213,14 @@ struct Check<'a> {
     document: &'a Document,
     formats: Formats,
     inputs: Vec<Input>,
-    mistakes: Vec<Mistake>,
+    diagnostics: Vec<Diagnostic>,
     warnings: Vec<String>,
 }
 
 impl Check<'_> {
-    /// All mistakes in the order of the file, if there are any.
+    /// All diagnostics in the order of the file, if there are any.
     fn end(&mut self, file: &Path) -> Result<()> {
-        Told::of_one(std::mem::take(&mut self.mistakes)).end(file)
+        Told::of_one(std::mem::take(&mut self.diagnostics)).end(file)
     }
 
     /// The path at `at`, as seen from the current folder: it begins at the folder of the file that says it.
@@ -232,19 +232,19 @@ impl Check<'_> {
     fn has_told(&self, error: &crate::core::Error) -> bool {
         let error = error.to_string();
         let quoted = error.split_once(": ").map(|(setting, told)| format!("`{setting}`: {told}"));
-        quoted.is_some_and(|quoted| self.mistakes.iter().any(|mistake| mistake.message == quoted))
+        quoted.is_some_and(|quoted| self.diagnostics.iter().any(|diagnostic| diagnostic.message == quoted))
     }
 
     fn wrong(&mut self, path: &[Step], at: At, message: impl Into<String>, hint: impl Into<String>) {
-        self.mistakes.push(self.document.mistake(path, at, message).hint(hint));
+        self.diagnostics.push(self.document.diagnostic(path, at, message).hint(hint));
     }
 
     fn missing(&mut self, path: &[Step], message: impl Into<String>, hint: impl Into<String>) {
-        let mistake = self.document.mistake(path, At::Value, message).hint(hint);
-        self.mistakes.push(Mistake { status: Status::MissingInput, ..mistake });
+        let diagnostic = self.document.diagnostic(path, At::Value, message).hint(hint);
+        self.diagnostics.push(Diagnostic { kind: Kind::MissingInput, ..diagnostic });
     }
 
-    /// Notes that `path` is read; false, and a mistake at `at`, if there is no such file.
+    /// Notes that `path` is read; false, and a diagnostic at `at`, if there is no such file.
     fn input(&mut self, role: &'static str, path: &Path, at: &[Step]) -> bool {
         if path.is_file() {
             self.inputs.push(Input { role, path: path.into() });
@@ -285,7 +285,7 @@ impl Check<'_> {
             if stage == pair[1].stage && name == (pair[1].name)() {
                 let message = format!("two plug-ins are linked that are both the {stage} `{name}`");
                 let hint = "rename the type of one of them, or leave its crate out";
-                self.mistakes.push(Mistake::new(Status::Internal, message).hint(hint));
+                self.diagnostics.push(Diagnostic::new(Kind::Internal, message).hint(hint));
             }
         }
     }

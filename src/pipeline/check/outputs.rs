@@ -6,9 +6,9 @@ use std::{
 
 use super::{Check, PoseInput, Prepared};
 use crate::{
-    mistake::{Mistake, Place},
+    diagnostic::Kind,
+    diagnostic::{Diagnostic, Location},
     pipeline::{At, Pipeline, Step, Writes, document::path, resolve},
-    status::Status,
 };
 
 /// What a run writes.
@@ -66,7 +66,7 @@ impl Check<'_> {
         if pipeline.output.listed && pipeline.output.items.is_empty() {
             self.wrong(&path(["output"]), At::Value, "the list of outputs is empty", "e.g. `output: out/{pose}.obj`");
         }
-        let before = self.mistakes.len();
+        let before = self.diagnostics.len();
         for (i, pattern) in &patterns {
             let at = output_at(pipeline, *i);
             if let Some(kind) = Look::of(pattern) {
@@ -94,7 +94,7 @@ impl Check<'_> {
         if let Some(folder) = patterns.first().and_then(|(_, first)| first.parent()) {
             outputs.report = folder.join("run.json");
             // It lies beside the first result; what is wrong with that is wrong with it too.
-            if self.mistakes.len() == before {
+            if self.diagnostics.len() == before {
                 self.writable(&outputs.report, &path(["output"]), &mut places);
             }
         }
@@ -164,18 +164,18 @@ impl Check<'_> {
             (None, Some(Step::Key(key))) if key == "output" => "write into another folder, e.g. `out/{pose}.obj`",
             (None, _) => "choose another folder or name",
         };
-        let wrong = |message: String, hint: &str| Some(self.document.mistake(at, At::Value, message).hint(hint));
+        let wrong = |message: String, hint: &str| Some(self.document.diagnostic(at, At::Value, message).hint(hint));
         // Where results go is the option's doing, whatever the file says.
         let blocked = |message: String| {
             let place = match out {
-                Some(out) => Place::Option(format!("--out {}", out.display())),
-                None => self.document.place(at, At::Value),
+                Some(out) => Location::Option(format!("--out {}", out.display())),
+                None => self.document.location(at, At::Value),
             };
-            Some(Mistake::new(Status::CannotWrite, message).at(place).hint(hint))
+            Some(Diagnostic::new(Kind::CannotWrite, message).at(place).hint(hint))
         };
         let folder = file.ancestors().skip(1).find(|a| a.as_os_str().is_empty() || a.exists()).unwrap_or(Path::new(""));
         let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
-        let mistake = if let Some(role) = places.read.get(&identity) {
+        let diagnostic = if let Some(role) = places.read.get(&identity) {
             wrong(format!("{shown} would overwrite an input ({role})"), hint)
         } else if file.is_dir() {
             blocked(format!("cannot write {shown}: there is a folder of that name"))
@@ -192,8 +192,8 @@ impl Check<'_> {
         } else {
             None
         };
-        let fine = mistake.is_none();
-        self.mistakes.extend(mistake);
+        let fine = diagnostic.is_none();
+        self.diagnostics.extend(diagnostic);
         fine
     }
 }
@@ -234,7 +234,7 @@ fn output_at(pipeline: &Pipeline, i: usize) -> Vec<Step> {
 
 /// Gives runs that write into one folder reports of their own names, and finds files that one run writes and another reads or
 /// writes.
-pub(super) fn apart(all: &mut [Prepared]) -> Vec<Mistake> {
+pub(super) fn apart(all: &mut [Prepared]) -> Vec<Diagnostic> {
     let mut reports: HashMap<PathBuf, usize> = HashMap::new();
     for one in all.iter() {
         *reports.entry(resolve::identity(&one.outputs.report)).or_default() += 1;
@@ -244,7 +244,7 @@ pub(super) fn apart(all: &mut [Prepared]) -> Vec<Mistake> {
             one.outputs.report.set_file_name(format!("run-{}.json", one.variant.name));
         }
     }
-    let mut mistakes = Vec::new();
+    let mut diagnostics = Vec::new();
     let mut written: HashMap<PathBuf, &Prepared> = HashMap::new();
     for one in all.iter() {
         for file in one.outputs.places() {
@@ -252,8 +252,8 @@ pub(super) fn apart(all: &mut [Prepared]) -> Vec<Mistake> {
             if let Some(other) = other.filter(|other| other.variant != one.variant) {
                 let runs = format!("`{}` and `{}`", other.variant.name, one.variant.name);
                 let message = format!("{} would be written by two runs, {runs}", file.display());
-                let mistake = Mistake::new(Status::BadPipeline, message).at(Place::File(one.file.clone()));
-                mistakes.push(mistake.hint("put `{name}` into the names of outputs"));
+                let diagnostic = Diagnostic::new(Kind::BadPipeline, message).at(Location::File(one.file.clone()));
+                diagnostics.push(diagnostic.hint("put `{name}` into the names of outputs"));
             }
         }
     }
@@ -262,14 +262,14 @@ pub(super) fn apart(all: &mut [Prepared]) -> Vec<Mistake> {
             if let Some(other) = written.get(&resolve::identity(&input.path)) {
                 let message = format!("{} would overwrite an input ({})", input.path.display(), input.role);
                 let message = format!("{message} of the run `{}`", one.variant.name);
-                let mistake = Mistake::new(Status::BadPipeline, message).at(Place::File(other.file.clone()));
-                mistakes.push(mistake.hint("write into another folder, e.g. `out/{name}/{pose}.obj`"));
+                let diagnostic = Diagnostic::new(Kind::BadPipeline, message).at(Location::File(other.file.clone()));
+                diagnostics.push(diagnostic.hint("write into another folder, e.g. `out/{name}/{pose}.obj`"));
             }
         }
     }
     // One tells what is wrong with them all.
-    mistakes.truncate(1);
-    mistakes
+    diagnostics.truncate(1);
+    diagnostics
 }
 
 /// Files by what the system takes them for.

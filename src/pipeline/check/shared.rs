@@ -2,7 +2,7 @@ use std::{collections::HashMap, sync::Arc};
 
 use super::{Check, Input, PoseInput, Side};
 use crate::{
-    mistake::Mistake,
+    diagnostic::Diagnostic,
     pipeline::{Source, Step, Target, document::path},
 };
 
@@ -21,7 +21,7 @@ pub(super) struct Shared {
 struct Read<T> {
     value: T,
     inputs: Vec<Input>,
-    mistakes: Vec<Mistake>,
+    diagnostics: Vec<Diagnostic>,
     warnings: Vec<String>,
 }
 
@@ -58,16 +58,16 @@ fn once<T: Clone>(
     if let Some(found) = known.get(&key) {
         let found = found.clone();
         check.inputs.extend(found.inputs);
-        check.mistakes.extend(found.mistakes);
+        check.diagnostics.extend(found.diagnostics);
         check.warnings.extend(found.warnings);
         return found.value;
     }
-    let before = (check.inputs.len(), check.mistakes.len(), check.warnings.len());
+    let before = (check.inputs.len(), check.diagnostics.len(), check.warnings.len());
     let value = read(check);
     let found = Read {
         value: value.clone(),
         inputs: check.inputs[before.0..].to_vec(),
-        mistakes: check.mistakes[before.1..].to_vec(),
+        diagnostics: check.diagnostics[before.1..].to_vec(),
         warnings: check.warnings[before.2..].to_vec(),
     };
     known.insert(key, found);

@@ -3,12 +3,12 @@ use std::path::{Path, PathBuf};
 use super::{Check, Options, PoseInput, Side};
 use crate::{
     core::{plugin, stage::KeyPoints},
-    mistake::{Mistake, Result},
+    diagnostic::Kind,
+    diagnostic::{Diagnostic, Result},
     pipeline::{At, Formats, compose, parse},
-    status::Status,
 };
 
-/// The part of a pipeline that key points are chosen by: its source, without mistakes.
+/// The part of a pipeline that key points are chosen by: its source, without diagnostics.
 #[derive(Debug)]
 pub struct PreparedSource {
     /// What gives its motion.
@@ -29,21 +29,21 @@ pub struct PreparedSource {
 ///
 /// # Errors
 ///
-/// All mistakes that can be found in that part without computing or reading poses.
+/// All diagnostics that can be found in that part without computing or reading poses.
 pub fn prepare_source(file: &Path, options: &Options) -> Result<PreparedSource> {
     let (document, included, targets) = compose::compose_source(file, &options.settings)?;
-    let (mut pipeline, mistakes) = parse::parse(&document);
+    let (mut pipeline, diagnostics) = parse::parse(&document);
     // A pipeline may still lack what only a run needs.
-    let missing = |mistake: &Mistake| {
+    let missing = |diagnostic: &Diagnostic| {
         ["target", "correspondence", "transfer", "output"]
             .iter()
-            .any(|key| mistake.message == format!("missing key `{key}`"))
+            .any(|key| diagnostic.message == format!("missing key `{key}`"))
     };
     let mut check = Check {
         document: &document,
         formats: Formats::new(std::mem::take(&mut pipeline.formats)),
         inputs: super::files(file, &included),
-        mistakes: mistakes.into_iter().filter(|mistake| !missing(mistake)).collect(),
+        diagnostics: diagnostics.into_iter().filter(|diagnostic| !missing(diagnostic)).collect(),
         warnings: vec![],
     };
     check.registry();
@@ -51,12 +51,12 @@ pub fn prepare_source(file: &Path, options: &Options) -> Result<PreparedSource> 
     let (source, poses) = check.source(&pipeline.source);
     check.end(file)?;
     let Some(source) = source else {
-        return Err(Mistake::new(Status::Internal, "a mesh was refused without a reason").into());
+        return Err(Diagnostic::new(Kind::Internal, "a mesh was refused without a reason").into());
     };
     let Some(key_points) = pipeline.key_points.take() else {
         let names: Vec<_> = plugin::instances::<dyn KeyPoints>().iter().map(|(name, _)| *name).collect();
         let hint = format!("say how to choose them, e.g. `key_points: {{ type: {} }}`", names.join(" | "));
-        return Err(document.mistake(&[], At::Value, "missing key `key_points`").hint(hint).into());
+        return Err(document.diagnostic(&[], At::Value, "missing key `key_points`").hint(hint).into());
     };
     let markers = pipeline.markers.as_ref().and_then(|files| check.marker_files(files).one().cloned());
     Ok(PreparedSource {

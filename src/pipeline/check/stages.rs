@@ -9,7 +9,8 @@ use crate::{
         plugin,
         stage::{Marker, Metric, Pair, Subject},
     },
-    mistake::Mistake,
+    diagnostic::Diagnostic,
+    diagnostic::Kind,
     pipeline::{
         At, Pipeline, Step,
         document::path,
@@ -17,7 +18,6 @@ use crate::{
         judge,
         words::did_you_mean,
     },
-    status::Status,
 };
 
 impl Check<'_> {
@@ -100,8 +100,8 @@ impl Check<'_> {
     }
 
     fn knows_no(&self, truth: &Truth) -> bool {
-        let sample = self.document.value.get("target").is_some_and(|target| target.get("sample").is_some());
-        matches!(truth, Truth::None) && self.document.value.get("truth").is_none() && !sample
+        let generator = self.document.value.get("target").is_some_and(|target| target.get("generator").is_some());
+        matches!(truth, Truth::None) && self.document.value.get("truth").is_none() && !generator
     }
 
     /// The gates, of what is measured.
@@ -158,8 +158,8 @@ impl Check<'_> {
             if let Err(error) = metric.bind(subject).map(drop)
                 && !self.has_told(&error)
             {
-                let at = self.document.place(&path(["metrics", &i.to_string()]), At::Value);
-                self.mistakes.push(judge::of_metric(metric.as_ref(), error).at(at));
+                let at = self.document.location(&path(["metrics", &i.to_string()]), At::Value);
+                self.diagnostics.push(judge::of_metric(metric.as_ref(), error).at(at));
             }
         }
     }
@@ -168,10 +168,10 @@ impl Check<'_> {
         if self.has_told(&error) {
             return;
         }
-        let at = self.document.place(&path([stage]), At::Value);
-        let mistake = Mistake::from(error).doing(format!("{stage} ({name})"));
-        let status = if mistake.status == Status::Internal { Status::BadData } else { mistake.status };
-        self.mistakes.push(Mistake { status, ..mistake.at(at) });
+        let at = self.document.location(&path([stage]), At::Value);
+        let diagnostic = Diagnostic::from(error).doing(format!("{stage} ({name})"));
+        let status = if diagnostic.kind == Kind::Internal { Kind::BadData } else { diagnostic.kind };
+        self.diagnostics.push(Diagnostic { kind: status, ..diagnostic.at(at) });
     }
 
     fn stage_files(&mut self, stage: &'static str, files: Vec<&mut PathBuf>) {
@@ -179,10 +179,10 @@ impl Check<'_> {
             let settings = self.document.value.get(stage).and_then(|settings| settings.as_object());
             let said = settings.into_iter().flatten().find(|(_, value)| value.as_str().map(Path::new) == Some(file));
             let at: Vec<_> = path([stage]).into_iter().chain(said.map(|(key, _)| Step::Key(key.clone()))).collect();
-            let before = self.mistakes.len();
+            let before = self.diagnostics.len();
             self.empty_texts(&at);
             *file = self.path(&at, file);
-            if self.mistakes.len() == before {
+            if self.diagnostics.len() == before {
                 self.input(stage, file, &at);
             }
         }

@@ -1,27 +1,27 @@
 use std::path::Path;
 
 use crate::{
-    mistake::{Failure, Mistake, Place, Result},
+    diagnostic::{Diagnostic, Diagnostics, Location, Result},
     pipeline::{Variant, compose::OneRun, places::Node},
 };
 
-/// The mistakes of all runs of a file, each told once.
+/// The diagnostics of all runs of a file, each told once.
 #[derive(Debug)]
 pub(super) struct Told {
     variants: Vec<Variant>,
     /// Where the values of each run were written.
     nodes: Vec<Node>,
     /// What concerns the file as a whole.
-    whole: Vec<Mistake>,
+    whole: Vec<Diagnostic>,
     /// What is wrong with runs, and with which.
     found: Vec<Found>,
     /// Places at which whatever is wrong follows from `whole`.
-    left: Vec<Place>,
+    left: Vec<Location>,
 }
 
 #[derive(Debug)]
 struct Found {
-    mistake: Mistake,
+    diagnostic: Diagnostic,
     /// The message without what is the run's own.
     kind: String,
     runs: Vec<usize>,
@@ -29,15 +29,15 @@ struct Found {
 
 impl Told {
     /// Begins with what is wrong with the file as a whole.
-    pub(super) fn new(runs: &[OneRun], whole: Vec<Mistake>, left: Vec<Place>) -> Self {
+    pub(super) fn new(runs: &[OneRun], whole: Vec<Diagnostic>, left: Vec<Location>) -> Self {
         let variants = runs.iter().map(|run| run.variant.clone()).collect();
         let nodes = runs.iter().map(|run| run.document.root.clone()).collect();
         Self { variants, nodes, whole, found: vec![], left }
     }
 
     /// For a single run.
-    pub(super) fn of_one(mistakes: Vec<Mistake>) -> Self {
-        Self { variants: vec![], nodes: vec![], whole: mistakes, found: vec![], left: vec![] }
+    pub(super) fn of_one(diagnostics: Vec<Diagnostic>) -> Self {
+        Self { variants: vec![], nodes: vec![], whole: diagnostics, found: vec![], left: vec![] }
     }
 
     /// Whether there is nothing to tell.
@@ -46,18 +46,18 @@ impl Told {
     }
 
     /// Adds what concerns no run more than another.
-    pub(super) fn add_all(&mut self, mistakes: Vec<Mistake>) {
-        self.whole.extend(mistakes);
+    pub(super) fn add_all(&mut self, diagnostics: Vec<Diagnostic>) {
+        self.whole.extend(diagnostics);
     }
 
     /// Adds what is wrong with a run.
-    pub(super) fn add(&mut self, run: usize, mistakes: Vec<Mistake>) {
+    pub(super) fn add(&mut self, run: usize, diagnostics: Vec<Diagnostic>) {
         let variant = &self.variants[run];
-        for mistake in mistakes {
-            if mistake.place.as_ref().is_some_and(|place| self.left.contains(place)) {
+        for diagnostic in diagnostics {
+            if diagnostic.location.as_ref().is_some_and(|location| self.left.contains(location)) {
                 continue;
             }
-            let mut kind = mistake.message.clone();
+            let mut kind = diagnostic.message.clone();
             let own =
                 [(&Some(variant.name.clone()), "{name}"), (&variant.target, "{target}"), (&variant.matrix, "{matrix}")];
             for (name, placeholder) in own {
@@ -66,40 +66,41 @@ impl Told {
                 }
             }
             let same = |found: &&mut Found| {
-                found.mistake.place == mistake.place && (found.mistake.message == mistake.message || found.kind == kind)
+                found.diagnostic.location == diagnostic.location
+                    && (found.diagnostic.message == diagnostic.message || found.kind == kind)
             };
             match self.found.iter_mut().find(same) {
                 Some(found) if found.runs.last() != Some(&run) => found.runs.push(run),
                 Some(_) => {}
-                None => self.found.push(Found { mistake, kind, runs: vec![run] }),
+                None => self.found.push(Found { diagnostic, kind, runs: vec![run] }),
             }
         }
     }
 
-    /// All mistakes in the order of the file, if there are any.
+    /// All diagnostics in the order of the file, if there are any.
     pub(super) fn end(self, file: &Path) -> Result<()> {
         if self.is_empty() {
             return Ok(());
         }
-        let mut mistakes = self.whole.clone();
-        mistakes.extend(self.found.iter().map(|found| Mistake {
-            message: format!("{}{}", found.mistake.message, self.whose(found)),
-            ..found.mistake.clone()
+        let mut diagnostics = self.whole.clone();
+        diagnostics.extend(self.found.iter().map(|found| Diagnostic {
+            message: format!("{}{}", found.diagnostic.message, self.whose(found)),
+            ..found.diagnostic.clone()
         }));
-        mistakes.sort_by_key(|mistake| match &mistake.place {
-            Some(Place::Span { file: place, line, column, .. }) if place == file => (0, *line, *column),
+        diagnostics.sort_by_key(|diagnostic| match &diagnostic.location {
+            Some(Location::Span { file: location, line, column, .. }) if location == file => (0, *line, *column),
             // Options have no place in the file, and what is wrong in other files comes after.
-            Some(Place::Option(_)) => (1, 0, 0),
+            Some(Location::Option(_)) => (1, 0, 0),
             _ => (2, 0, 0),
         });
-        Err(Failure { mistakes })
+        Err(Diagnostics { diagnostics })
     }
 
     /// Which runs, if not all of them and the place does not say it.
-    fn whose(&self, Found { mistake, runs, .. }: &Found) -> String {
+    fn whose(&self, Found { diagnostic, runs, .. }: &Found) -> String {
         let others: Vec<usize> = (0..self.variants.len()).filter(|run| !runs.contains(run)).collect();
-        let elsewhere = |place: &Place| !others.iter().any(|run| self.nodes[*run].has(place));
-        if others.is_empty() || mistake.place.as_ref().is_some_and(elsewhere) {
+        let elsewhere = |location: &Location| !others.iter().any(|run| self.nodes[*run].has(location));
+        if others.is_empty() || diagnostic.location.as_ref().is_some_and(elsewhere) {
             return String::new();
         }
         let target = |run: &usize| self.variants[*run].target.as_deref();

@@ -95,7 +95,7 @@ impl Check<'_> {
         let sequence = match format.read(&file) {
             Ok(sequence) => sequence,
             Err(error) => {
-                self.mistakes.push(in_file(&file, error));
+                self.diagnostics.push(in_file(&file, error));
                 return Truth::None;
             }
         };

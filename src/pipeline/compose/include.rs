@@ -4,9 +4,9 @@ use serde_json::Value;
 
 use super::merge::lay_over;
 use crate::{
-    mistake::{Mistake, Place, Result},
+    diagnostic::Kind,
+    diagnostic::{Diagnostic, Location, Result},
     pipeline::{At, Document, Step, document::path, resolve},
-    status::Status,
 };
 
 /// Reads `file` and what it includes, laid over each other; gives the included files too, in the order they are laid.
@@ -19,10 +19,10 @@ use crate::{
 /// Files that cannot be read or are no YAML, all of them; files that include themselves.
 pub(super) fn read(file: &Path) -> Result<(Document, Vec<PathBuf>)> {
     let own = Document::read(file)?;
-    let mut reader = Reader { layers: vec![], mistakes: vec![] };
+    let mut reader = Reader { layers: vec![], diagnostics: vec![] };
     reader.layers(own, &mut vec![file.into()]);
-    if !reader.mistakes.is_empty() {
-        return Err(crate::mistake::Failure { mistakes: reader.mistakes });
+    if !reader.diagnostics.is_empty() {
+        return Err(crate::diagnostic::Diagnostics { diagnostics: reader.diagnostics });
     }
     let mut files: Vec<PathBuf> = Vec::new();
     for layer in &reader.layers {
@@ -39,7 +39,7 @@ pub(super) fn read(file: &Path) -> Result<(Document, Vec<PathBuf>)> {
 
 struct Reader {
     layers: Vec<Document>,
-    mistakes: Vec<Mistake>,
+    diagnostics: Vec<Diagnostic>,
 }
 
 impl Reader {
@@ -50,7 +50,7 @@ impl Reader {
             if chain.iter().any(|other| resolve::identity(other) == resolve::identity(&file)) {
                 let shown: Vec<_> = chain.iter().chain([&file]).map(|file| file.display().to_string()).collect();
                 let message = format!("files include each other in a circle: {}", shown.join(" includes "));
-                self.mistakes.push(own.mistake(&at, At::Value, message).hint("remove one of these includes"));
+                self.diagnostics.push(own.diagnostic(&at, At::Value, message).hint("remove one of these includes"));
                 continue;
             }
             match Document::read(&file) {
@@ -61,17 +61,19 @@ impl Reader {
                 }
                 Ok(included) => {
                     let message = "expected a map of keys of a pipeline";
-                    self.mistakes.push(included.mistake(&[], At::Value, message));
+                    self.diagnostics.push(included.diagnostic(&[], At::Value, message));
                 }
                 // That it is not there is said where it is named.
                 Err(failure) => {
-                    self.mistakes.extend(failure.mistakes.into_iter().map(|mistake| match &mistake.place {
-                        Some(Place::File(_)) => {
-                            let message = format!("{}: {}", mistake.message, file.display());
-                            Mistake { message, ..mistake }.at(own.place(&at, At::Value))
-                        }
-                        _ => mistake,
-                    }))
+                    self.diagnostics.extend(failure.diagnostics.into_iter().map(
+                        |diagnostic| match &diagnostic.location {
+                            Some(Location::File(_)) => {
+                                let message = format!("{}: {}", diagnostic.message, file.display());
+                                Diagnostic { message, ..diagnostic }.at(own.location(&at, At::Value))
+                            }
+                            _ => diagnostic,
+                        },
+                    ))
                 }
             }
         }
@@ -96,12 +98,14 @@ impl Reader {
             match item {
                 Value::String(name) if name.contains("${") => {
                     let hint = "write the path; files are included before variables are known";
-                    self.mistakes.push(document.mistake(&at, At::Value, "a variable cannot be included").hint(hint));
+                    self.diagnostics
+                        .push(document.diagnostic(&at, At::Value, "a variable cannot be included").hint(hint));
                 }
                 Value::String(name) if !name.is_empty() => names.push((at, name.clone())),
                 other => {
                     let message = format!("`include`: expected a path or a list of paths, found {}", found(other));
-                    self.mistakes.push(document.mistake(&at, At::Value, message).hint("e.g. `include: base.yaml`"));
+                    self.diagnostics
+                        .push(document.diagnostic(&at, At::Value, message).hint("e.g. `include: base.yaml`"));
                 }
             }
         }
@@ -121,7 +125,7 @@ pub(super) fn found(value: &Value) -> String {
     }
 }
 
-/// A mistake of a kind that only a pipeline's file can have.
-pub(super) fn wrong(document: &Document, at: &[Step], point: At, message: impl Into<String>, hint: &str) -> Mistake {
-    Mistake { status: Status::BadPipeline, ..document.mistake(at, point, message).hint(hint) }
+/// A diagnostic of a kind that only a pipeline's file can have.
+pub(super) fn wrong(document: &Document, at: &[Step], point: At, message: impl Into<String>, hint: &str) -> Diagnostic {
+    Diagnostic { kind: Kind::BadPipeline, ..document.diagnostic(at, point, message).hint(hint) }
 }

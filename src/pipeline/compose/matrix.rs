@@ -6,14 +6,14 @@ use super::{
     targets::node_at,
 };
 use crate::{
-    mistake::Mistake,
+    diagnostic::Diagnostic,
+    diagnostic::Kind,
     pipeline::{
         At, Document, Step,
         document::path,
         overrides::{put, split},
         places::Part,
     },
-    status::Status,
 };
 
 /// More runs than this are taken for a slip.
@@ -46,12 +46,12 @@ pub(super) struct Combination {
 }
 
 /// Takes `matrix` out of the pipeline; `None` if it has none.
-pub(super) fn take(document: &mut Document, mistakes: &mut Vec<Mistake>) -> Option<Vec<Axis>> {
+pub(super) fn take(document: &mut Document, diagnostics: &mut Vec<Diagnostic>) -> Option<Vec<Axis>> {
     let at = path(["matrix"]);
     let Some(map) = document.get(&at)?.as_object() else {
         let message = format!("`matrix`: expected a map of keys and lists, found {}", found(document.get(&at)?));
         let hint = "e.g. `matrix: { transfer.deformer.lambda: [0.1, 0.5, 5] }`";
-        mistakes.push(wrong(document, &at, At::Value, message, hint));
+        diagnostics.push(wrong(document, &at, At::Value, message, hint));
         document.take("matrix");
         return Some(vec![]);
     };
@@ -60,7 +60,7 @@ pub(super) fn take(document: &mut Document, mistakes: &mut Vec<Mistake>) -> Opti
     for ((key, value), short) in map.iter().zip(short) {
         let at = [&at[..], &[Step::Key(key.clone())]].concat();
         let mut tell = |at: &[Step], point, message: String, hint: &str| {
-            mistakes.push(wrong(document, at, point, message, hint));
+            diagnostics.push(wrong(document, at, point, message, hint));
         };
         let Some(path) = split(key) else {
             tell(
@@ -114,7 +114,7 @@ pub(super) fn take(document: &mut Document, mistakes: &mut Vec<Mistake>) -> Opti
     let runs = axes.iter().try_fold(1usize, |runs, axis| runs.checked_mul(axis.values.len()));
     if runs.is_none_or(|runs| runs > MOST_RUNS) {
         let message = format!("more than {MOST_RUNS} combinations");
-        mistakes.push(wrong(document, &at, At::Key, message, "vary fewer keys at once, or fewer values"));
+        diagnostics.push(wrong(document, &at, At::Key, message, "vary fewer keys at once, or fewer values"));
         axes.clear();
     }
     document.take("matrix");
@@ -143,17 +143,17 @@ pub(super) fn combinations(axes: &[Axis]) -> Vec<Combination> {
 }
 
 /// Puts the values of one combination into a pipeline.
-pub(super) fn apply(document: &mut Document, axes: &[Axis], combination: &Combination) -> Vec<Mistake> {
-    let mut mistakes = Vec::new();
+pub(super) fn apply(document: &mut Document, axes: &[Axis], combination: &Combination) -> Vec<Diagnostic> {
+    let mut diagnostics = Vec::new();
     for (axis, &pick) in axes.iter().zip(&combination.picks) {
         let (value, from, _) = &axis.values[pick];
-        let place = from.key.place();
+        let location = from.key.location();
         if let Err(problem) = put(document, &axis.path, value.clone(), from.clone()) {
             let hint = problem.list.map(|list| format!("vary the whole list, `{list}`")).unwrap_or_default();
-            mistakes.push(Mistake::new(Status::BadPipeline, problem.message).at(place).hint(hint));
+            diagnostics.push(Diagnostic::new(Kind::BadPipeline, problem.message).at(location).hint(hint));
         }
     }
-    mistakes
+    diagnostics
 }
 
 /// A value in one line, without quotes where it needs none.
@@ -169,16 +169,16 @@ mod tests {
 
     fn axes(text: &str) -> (Vec<Axis>, Vec<String>) {
         let mut document = Document::parse(Path::new("p.yaml"), text).unwrap();
-        let mut mistakes = Vec::new();
-        let axes = take(&mut document, &mut mistakes).unwrap();
-        let first = |mistake: &Mistake| mistake.to_string().lines().next().unwrap_or_default().to_owned();
-        (axes, mistakes.iter().map(first).collect())
+        let mut diagnostics = Vec::new();
+        let axes = take(&mut document, &mut diagnostics).unwrap();
+        let first = |diagnostic: &Diagnostic| diagnostic.to_string().lines().next().unwrap_or_default().to_owned();
+        (axes, diagnostics.iter().map(first).collect())
     }
 
     #[test]
     fn combinations_are_all_pairs_and_the_last_key_varies_fastest() {
-        let (axes, mistakes) = axes("matrix: { a.lambda: [0.1, 5], b.sampling: [x, y, z] }\n");
-        assert!(mistakes.is_empty());
+        let (axes, diagnostics) = axes("matrix: { a.lambda: [0.1, 5], b.sampling: [x, y, z] }\n");
+        assert!(diagnostics.is_empty());
         let names: Vec<_> = combinations(&axes).into_iter().map(|one| one.name).collect();
         assert_eq!(
             names,
@@ -206,8 +206,8 @@ mod tests {
         let second = &combinations(&axes)[1];
         assert!(apply(&mut document, &axes, second).is_empty());
         assert_eq!(document.value.to_string(), r#"{"transfer":{"type":"x","k":2}}"#);
-        let place = |at| document.place(&path(["transfer", "k"]), at).to_string();
-        assert_eq!([place(At::Value), place(At::Key)], ["p.yaml:1:27", "p.yaml:1:11"]);
+        let location = |at| document.location(&path(["transfer", "k"]), at).to_string();
+        assert_eq!([location(At::Value), location(At::Key)], ["p.yaml:1:27", "p.yaml:1:11"]);
     }
 
     #[test]

@@ -133,8 +133,8 @@ mod tests {
             lay_over(&mut both, parse("b", &b));
             for (key, value) in both.value.as_object().unwrap() {
                 let written = if b.get(key).is_some() { "b" } else { "a" };
-                let place = both.place(&[Step::Key(key.clone())], crate::pipeline::At::Value);
-                prop_assert!(place.to_string().starts_with(&format!("{written}:")), "{key}: {value} at {place}");
+                let location = both.location(&[Step::Key(key.clone())], crate::pipeline::At::Value);
+                prop_assert!(location.to_string().starts_with(&format!("{written}:")), "{key}: {value} at {location}");
             }
         }
     }

@@ -29,8 +29,8 @@ use self::{
 };
 use super::{At, Document, Step, document::type_first, overrides, places::Spot, words::did_you_mean};
 use crate::{
-    mistake::{Failure, Mistake, Place, Result},
-    status::Status,
+    diagnostic::Kind,
+    diagnostic::{Diagnostic, Diagnostics, Location, Result},
 };
 
 /// The keys that make several runs of one file, or one file of several; the others are those of a single run.
@@ -69,9 +69,9 @@ pub struct Runs {
     /// The files that are included, in the order in which they are laid over each other.
     pub included: Vec<PathBuf>,
     /// What is wrong with how they are put together, each once.
-    pub mistakes: Vec<Mistake>,
-    /// Places of values that were left as they are because of these mistakes: what is wrong with them follows.
-    pub left: Vec<Place>,
+    pub diagnostics: Vec<Diagnostic>,
+    /// Places of values that were left as they are because of these diagnostics: what is wrong with them follows.
+    pub left: Vec<Location>,
     /// Sentences about what looks wrong.
     pub warnings: Vec<String>,
 }
@@ -85,22 +85,22 @@ pub struct Runs {
 pub fn compose(file: &Path, settings: &[String]) -> Result<Runs> {
     let (mut whole, included) = include::read(file)?;
     let (of_whole, of_runs) = sort(settings);
-    overrides::apply(&mut whole, &of_whole).map_err(|mistakes| Failure { mistakes })?;
+    overrides::apply(&mut whole, &of_whole).map_err(|diagnostics| Diagnostics { diagnostics })?;
     // A matrix set to nothing is an empty one.
     let at = [Step::Key("matrix".into())];
     if whole.get(&at).is_some_and(Value::is_null) && matches!(whole.spot(&at, At::Value), Spot::Option(_)) {
         whole.value["matrix"] = Value::Object(serde_json::Map::new());
     }
-    let mut mistakes = Vec::new();
+    let mut diagnostics = Vec::new();
     if let Some((_, part)) = whole.take("include") {
-        let mistake = Mistake::new(Status::Usage, "`include` cannot be set").at(part.key.place());
-        mistakes.push(mistake.hint("write a file that includes both: `include: [a.yaml, b.yaml]`"));
+        let diagnostic = Diagnostic::new(Kind::Usage, "`include` cannot be set").at(part.key.location());
+        diagnostics.push(diagnostic.hint("write a file that includes both: `include: [a.yaml, b.yaml]`"));
     }
-    let axes = matrix::take(&mut whole, &mut mistakes);
-    let targets = targets::take(&mut whole, &mut mistakes);
-    mistakes.extend(set_beside(&of_runs, axes.as_deref(), targets.as_deref()));
+    let axes = matrix::take(&mut whole, &mut diagnostics);
+    let targets = targets::take(&mut whole, &mut diagnostics);
+    diagnostics.extend(set_beside(&of_runs, axes.as_deref(), targets.as_deref()));
     let work = Work { whole, settings: &of_runs, axes: axes.as_deref(), targets: targets.as_deref() };
-    work.runs(included, mistakes)
+    work.runs(included, diagnostics)
 }
 
 /// The pipeline of `file` before it is taken apart into its runs, as far as its source is concerned, and how many targets there
@@ -111,7 +111,7 @@ pub fn compose(file: &Path, settings: &[String]) -> Result<Runs> {
 /// As [`compose`], and what is wrong with its variables.
 pub fn compose_source(file: &Path, settings: &[String]) -> Result<(Document, Vec<PathBuf>, usize)> {
     let (mut whole, included) = include::read(file)?;
-    overrides::apply(&mut whole, settings).map_err(|mistakes| Failure { mistakes })?;
+    overrides::apply(&mut whole, settings).map_err(|diagnostics| Diagnostics { diagnostics })?;
     let mut ignored = Vec::new();
     matrix::take(&mut whole, &mut ignored);
     let targets = targets::take(&mut whole, &mut ignored);
@@ -119,9 +119,9 @@ pub fn compose_source(file: &Path, settings: &[String]) -> Result<(Document, Vec
     if let Some([one]) = targets.as_deref() {
         whole = one.of(&whole);
     }
-    let mistakes = variables::substitute(&mut whole).mistakes;
+    let diagnostics = variables::substitute(&mut whole).diagnostics;
     whole.value = type_first(std::mem::take(&mut whole.value));
-    if mistakes.is_empty() { Ok((whole, included, count)) } else { Err(Failure { mistakes }) }
+    if diagnostics.is_empty() { Ok((whole, included, count)) } else { Err(Diagnostics { diagnostics }) }
 }
 
 struct Work<'a> {
@@ -132,7 +132,7 @@ struct Work<'a> {
 }
 
 impl Work<'_> {
-    fn runs(self, included: Vec<PathBuf>, mut mistakes: Vec<Mistake>) -> Result<Runs> {
+    fn runs(self, included: Vec<PathBuf>, mut diagnostics: Vec<Diagnostic>) -> Result<Runs> {
         let axes = self.axes.unwrap_or_default();
         let combinations = matrix::combinations(axes);
         // A file whose targets are all wrong is looked at without one.
@@ -153,29 +153,29 @@ impl Work<'_> {
             }
             for combination in &combinations {
                 let mut document = of_target.clone();
-                mistakes.extend(matrix::apply(&mut document, axes, combination));
+                diagnostics.extend(matrix::apply(&mut document, axes, combination));
                 let found = variables::substitute(&mut document);
                 let variant = self.variant(target, combination);
-                written.extend(placeholders::fill(&mut document, &variant, runs.len(), declared, &mut mistakes));
+                written.extend(placeholders::fill(&mut document, &variant, runs.len(), declared, &mut diagnostics));
                 document.value = type_first(std::mem::take(&mut document.value));
-                variables.add(found, &mut mistakes, &mut left);
+                variables.add(found, &mut diagnostics, &mut left);
                 runs.push(OneRun { variant, document });
             }
         }
         if !not_set.is_empty() {
             once(&mut not_set);
-            return Err(Failure { mistakes: not_set });
+            return Err(Diagnostics { diagnostics: not_set });
         }
         let variants: Vec<Variant> = runs.iter().map(|run| run.variant.clone()).collect();
-        mistakes.extend(placeholders::needed(&written, &variants));
+        diagnostics.extend(placeholders::needed(&written, &variants));
         let mut warnings = Vec::new();
-        variables.unused(&self.whole.file, axes, &mut mistakes, &mut warnings);
+        variables.unused(&self.whole.file, axes, &mut diagnostics, &mut warnings);
         if self.targets.is_some_and(<[OneTarget]>::is_empty) {
             // That there is no target follows.
-            left.push(self.whole.place(&[Step::Key("target".into())], At::Value));
+            left.push(self.whole.location(&[Step::Key("target".into())], At::Value));
         }
-        once(&mut mistakes);
-        Ok(Runs { runs, included, mistakes, left, warnings })
+        once(&mut diagnostics);
+        Ok(Runs { runs, included, diagnostics, left, warnings })
     }
 
     fn variant(&self, target: Option<&OneTarget>, combination: &Combination) -> Variant {
@@ -195,21 +195,21 @@ struct Variables {
 }
 
 impl Variables {
-    fn add(&mut self, found: Substituted, mistakes: &mut Vec<Mistake>, left: &mut Vec<Place>) {
-        mistakes.extend(found.mistakes);
+    fn add(&mut self, found: Substituted, diagnostics: &mut Vec<Diagnostic>, left: &mut Vec<Location>) {
+        diagnostics.extend(found.diagnostics);
         left.extend(found.left);
         self.used.extend(found.used);
         self.meant.extend(found.meant);
         for (name, spot) in found.defined {
-            if !self.defined.iter().any(|(other, at)| *other == name && at.place() == spot.place()) {
+            if !self.defined.iter().any(|(other, at)| *other == name && at.location() == spot.location()) {
                 self.defined.push((name, spot));
             }
         }
     }
 
-    /// Tells of variables that are used nowhere. One that an option or the matrix sets is a mistake, since it was to change
+    /// Tells of variables that are used nowhere. One that an option or the matrix sets is a diagnostic, since it was to change
     /// something; one of an included file is nothing, since other files may use it.
-    fn unused(&self, file: &Path, axes: &[Axis], mistakes: &mut Vec<Mistake>, warnings: &mut Vec<String>) {
+    fn unused(&self, file: &Path, axes: &[Axis], diagnostics: &mut Vec<Diagnostic>, warnings: &mut Vec<String>) {
         let varies = |name: &String| {
             axes.iter().any(|axis| axis.path == [Step::Key("variables".into()), Step::Key(name.clone())])
         };
@@ -222,10 +222,10 @@ impl Variables {
             let message = format!("the variable `{name}` is used nowhere");
             match spot {
                 _ if varies(name) || matches!(spot, Spot::Option(_)) => {
-                    mistakes.push(Mistake::new(Status::BadPipeline, message).at(spot.place()).hint(hint));
+                    diagnostics.push(Diagnostic::new(Kind::BadPipeline, message).at(spot.location()).hint(hint));
                 }
                 Spot::Text(text, _) if text.file != file => {}
-                _ => warnings.push(format!("{}: {message}; {hint}", spot.place())),
+                _ => warnings.push(format!("{}: {message}; {hint}", spot.location())),
             }
         }
     }
@@ -241,19 +241,19 @@ fn sort(settings: &[String]) -> (Vec<String>, Vec<String>) {
 }
 
 /// Settings that what makes several runs would undo, or make the same for all.
-fn set_beside(settings: &[String], axes: Option<&[Axis]>, targets: Option<&[OneTarget]>) -> Vec<Mistake> {
-    let mut mistakes = Vec::new();
+fn set_beside(settings: &[String], axes: Option<&[Axis]>, targets: Option<&[OneTarget]>) -> Vec<Diagnostic> {
+    let mut diagnostics = Vec::new();
     for setting in settings {
         let Ok((path, _)) = overrides::read(setting) else { continue };
         let told = |message: String, hint: String| {
-            Mistake::new(Status::Usage, message).at(Place::Option(format!("--set {setting}"))).hint(hint)
+            Diagnostic::new(Kind::Usage, message).at(Location::Option(format!("--set {setting}"))).hint(hint)
         };
         let keys = path.iter().map(Step::to_string).collect::<Vec<_>>();
         if let Some(axis) =
             axes.unwrap_or_default().iter().find(|axis| path.starts_with(&axis.path) || axis.path.starts_with(&path))
         {
             let hint = format!("vary it otherwise: `--set 'matrix.{}=[…]'`, or not at all: `--set matrix=`", axis.key);
-            mistakes.push(told(format!("`{}` is varied by `matrix`", axis.key), hint));
+            diagnostics.push(told(format!("`{}` is varied by `matrix`", axis.key), hint));
         }
         if let Some(targets) = targets
             && matches!(&keys[..], [first, ..] if first == "target")
@@ -261,19 +261,19 @@ fn set_beside(settings: &[String], axes: Option<&[Axis]>, targets: Option<&[OneT
         {
             let name = targets.first().map_or("NAME", |target| &target.name);
             let hint = format!("say which: `--set targets.{name}.rest=…`");
-            mistakes.push(told("there are several targets, each with its own mesh".into(), hint));
+            diagnostics.push(told("there are several targets, each with its own mesh".into(), hint));
         }
     }
-    mistakes
+    diagnostics
 }
 
 /// Leaves out what has been told.
-pub(super) fn once(mistakes: &mut Vec<Mistake>) {
-    let mut told: Vec<Mistake> = Vec::new();
-    for mistake in mistakes.drain(..) {
-        if !told.contains(&mistake) {
-            told.push(mistake);
+pub(super) fn once(diagnostics: &mut Vec<Diagnostic>) {
+    let mut told: Vec<Diagnostic> = Vec::new();
+    for diagnostic in diagnostics.drain(..) {
+        if !told.contains(&diagnostic) {
+            told.push(diagnostic);
         }
     }
-    *mistakes = told;
+    *diagnostics = told;
 }

@@ -4,14 +4,14 @@ use serde_json::Value;
 
 use super::Variant;
 use crate::{
-    mistake::{Mistake, Place},
+    diagnostic::Kind,
+    diagnostic::{Diagnostic, Location},
     pipeline::{
         At, Document, Step,
         document::path,
         places::Spot,
         resolve::{placeholders, stem},
     },
-    status::Status,
 };
 
 /// The name of a file that a run writes.
@@ -34,7 +34,7 @@ pub(super) fn fill(
     variant: &Variant,
     run: usize,
     declared: [bool; 2],
-    mistakes: &mut Vec<Mistake>,
+    diagnostics: &mut Vec<Diagnostic>,
 ) -> Vec<Written> {
     let or_alone = |name: &Option<String>, declared: bool| name.clone().or_else(|| declared.then(|| ALONE.to_owned()));
     let whole = Some(variant.name.clone()).filter(|name| !name.is_empty());
@@ -62,8 +62,9 @@ pub(super) fn fill(
                     Some(name) => text = text.replace(&written, name),
                     None if placeholders(&pattern).contains(placeholder) => {
                         let message = format!("`{written}` without `{key}`");
-                        let mistake = Mistake::new(Status::BadPipeline, message).at(spot.within(&written).place());
-                        mistakes.push(mistake.hint("remove it; it tells several runs apart"));
+                        let diagnostic =
+                            Diagnostic::new(Kind::BadPipeline, message).at(spot.within(&written).location());
+                        diagnostics.push(diagnostic.hint("remove it; it tells several runs apart"));
                         text = text.replace(&written, placeholder);
                     }
                     None => {}
@@ -81,15 +82,15 @@ pub(super) fn fill(
 }
 
 /// Patterns by which several runs would write the same file.
-pub(super) fn needed(written: &[Written], variants: &[Variant]) -> Vec<Mistake> {
-    let mut mistakes = Vec::new();
-    let mut seen: Vec<(Place, &str)> = Vec::new();
+pub(super) fn needed(written: &[Written], variants: &[Variant]) -> Vec<Diagnostic> {
+    let mut diagnostics = Vec::new();
+    let mut seen: Vec<(Location, &str)> = Vec::new();
     for one in written {
-        let place = one.spot.place();
-        if seen.contains(&(place.clone(), &one.pattern)) {
+        let location = one.spot.location();
+        if seen.contains(&(location.clone(), &one.pattern)) {
             continue;
         }
-        let same = |other: &&Written| other.pattern == one.pattern && other.spot.place() == place;
+        let same = |other: &&Written| other.pattern == one.pattern && other.spot.location() == location;
         let runs: Vec<&Variant> = written.iter().filter(same).map(|other| &variants[other.run]).collect();
         let names = placeholders(&one.pattern);
         let differ = |of: fn(&Variant) -> &Option<String>| runs.iter().any(|run| of(run) != of(runs[0]));
@@ -105,11 +106,11 @@ pub(super) fn needed(written: &[Written], variants: &[Variant]) -> Vec<Mistake> 
         if !needs.is_empty() {
             let message = format!("there are several {why}, so the name of what is written needs `{needs}`");
             let hint = format!("e.g. `{}`", with(&one.pattern, needs));
-            mistakes.push(Mistake::new(Status::BadPipeline, message).at(place.clone()).hint(hint));
+            diagnostics.push(Diagnostic::new(Kind::BadPipeline, message).at(location.clone()).hint(hint));
         }
-        seen.push((place, &one.pattern));
+        seen.push((location, &one.pattern));
     }
-    mistakes
+    diagnostics
 }
 
 /// `pattern` with a placeholder in the name of its file, or of its folder if files are told apart by pose.

@@ -6,7 +6,7 @@ use serde_json::{Map, Value, json};
 use super::{Variant, names};
 use crate::{
     core::{plugin, stage::Metric},
-    mistake::Mistake,
+    diagnostic::Diagnostic,
     pipeline::{Report, judge::Level, report::headlines},
     text,
 };
@@ -40,7 +40,7 @@ pub enum Ended {
     /// With results; some poses may have failed.
     Report(Box<Report>),
     /// Without.
-    Failed(Vec<Mistake>),
+    Failed(Vec<Diagnostic>),
 }
 
 /// A column of metrics: of which metric, and which of its figures.
@@ -128,14 +128,14 @@ impl Results {
     pub fn json(&self) -> Value {
         let row = |row: &Row| {
             let matrix: Map<String, Value> = row.variant.values.iter().cloned().collect();
-            let (report, mistakes) = match &row.ended {
+            let (report, diagnostics) = match &row.ended {
                 Ended::Report(report) => (serde_json::to_value(report).unwrap_or_default(), vec![]),
-                Ended::Failed(mistakes) => (Value::Null, mistakes.iter().map(Mistake::to_json).collect()),
+                Ended::Failed(diagnostics) => (Value::Null, diagnostics.iter().map(Diagnostic::to_json).collect()),
             };
             let place = report.is_object().then_some(&row.place);
             json!({
                 "name": row.variant.name, "target": row.variant.target, "matrix": matrix, "status": row.status(),
-                "seconds": row.seconds, "metrics": row.metrics(), "mistakes": mistakes, "place": place, "report": report,
+                "seconds": row.seconds, "metrics": row.metrics(), "mistakes": diagnostics, "place": place, "report": report,
             })
         };
         json!({
@@ -221,7 +221,7 @@ fn is_usual(metric: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::status::Status;
+    use crate::diagnostic::Kind;
 
     #[test]
     fn a_cell_with_a_comma_is_quoted_and_a_failed_run_has_no_figures() {
@@ -232,7 +232,7 @@ mod tests {
             values: vec![("x.k".into(), json!([1, 2])), ("x.l".into(), json!("p|q"))],
             shown: vec!["1".into(), "p|q".into()],
         };
-        let ended = Ended::Failed(vec![Mistake::new(Status::BadData, "no")]);
+        let ended = Ended::Failed(vec![Diagnostic::new(Kind::BadData, "no")]);
         let rows = vec![Row { variant, place: "run.json".into(), ended, seconds: 1.0 }];
         let results = Results { pipeline: "p.yaml".into(), rows };
         assert_eq!(results.csv(), "target,x.k,x.l,seconds,status\na,\"[1,2]\",p|q,1.00,failed\n");

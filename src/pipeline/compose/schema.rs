@@ -17,7 +17,7 @@ pub struct Composition {
     /// environment.
     #[schemars(extend("examples" = [{ "data": "../data", "lambda": 0.5 }]))]
     variables: Option<BTreeMap<String, Value>>,
-    /// Several meshes that take the motion, by name, in place of `target`: each `rest` or `sample`, and any key of the pipeline
+    /// Several meshes that take the motion, by name, in place of `target`: each `rest` or `generator`, and any key of the pipeline
     /// that differs for it. Names of outputs tell them apart by `{target}`.
     targets: Option<BTreeMap<String, Value>>,
     /// Keys to vary and their values, e.g. `transfer.deformer.lambda: [0.1, 0.5, 5]`: a run for every combination, with a table at

@@ -6,7 +6,7 @@ use super::{
     names::refused,
 };
 use crate::{
-    mistake::Mistake,
+    diagnostic::Diagnostic,
     pipeline::{
         At, Document, Step,
         document::path,
@@ -35,34 +35,34 @@ impl OneTarget {
 }
 
 /// Takes `targets` out of the pipeline; `None` if it has none.
-pub(super) fn take(document: &mut Document, mistakes: &mut Vec<Mistake>) -> Option<Vec<OneTarget>> {
+pub(super) fn take(document: &mut Document, diagnostics: &mut Vec<Diagnostic>) -> Option<Vec<OneTarget>> {
     let at = path(["targets"]);
     let value = document.get(&at)?;
     let Some(map) = value.as_object().filter(|map| !map.is_empty()) else {
         let message = format!("`targets`: expected a map of names and meshes, found {}", empty_or(value));
         let hint = "e.g. `targets: { camel: { rest: camel.obj }, giraffe: { rest: giraffe.obj } }`";
-        mistakes.push(wrong(document, &at, At::Value, message, hint));
+        diagnostics.push(wrong(document, &at, At::Value, message, hint));
         document.take("targets");
         return Some(vec![]);
     };
     if document.get(&path(["target"])).is_some() {
         let hint = "name it among the targets and remove `target`; over one that is included write `target: ~`";
-        mistakes.push(wrong(document, &path(["target"]), At::Key, "`target` beside `targets`", hint));
+        diagnostics.push(wrong(document, &path(["target"]), At::Key, "`target` beside `targets`", hint));
     }
     let mut targets = Vec::new();
     for (name, entry) in map {
         let at = [&at[..], &[Step::Key(name.clone())]].concat();
         if let Some(problem) = refused(name) {
             let hint = "it becomes a part of the names of results: letters, digits, `-` and `_` do everywhere";
-            mistakes.push(wrong(document, &at, At::Key, format!("`{name}` cannot name a target: {problem}"), hint));
+            diagnostics.push(wrong(document, &at, At::Key, format!("`{name}` cannot name a target: {problem}"), hint));
         }
         match entry {
             Value::Object(entry) => {
-                targets.push(OneTarget { name: name.clone(), own: own(document, &at, entry, mistakes) });
+                targets.push(OneTarget { name: name.clone(), own: own(document, &at, entry, diagnostics) });
             }
             other => {
                 let message = format!("`{name}`: expected a map of what the target is, found {}", found(other));
-                mistakes.push(wrong(
+                diagnostics.push(wrong(
                     document,
                     &at,
                     At::Value,
@@ -78,8 +78,8 @@ pub(super) fn take(document: &mut Document, mistakes: &mut Vec<Mistake>) -> Opti
 }
 
 /// What an entry says, as a pipeline: the mesh under `target`, the rest as it is.
-fn own(document: &Document, at: &[Step], entry: &Map<String, Value>, mistakes: &mut Vec<Mistake>) -> Document {
-    const MESH: [&str; 2] = ["rest", "sample"];
+fn own(document: &Document, at: &[Step], entry: &Map<String, Value>, diagnostics: &mut Vec<Diagnostic>) -> Document {
+    const MESH: [&str; 2] = ["rest", "generator"];
     let slots = SLOTS.into_iter().filter(|slot| *slot != "target").chain(["variables"]);
     let known: Vec<&str> = MESH.into_iter().chain(slots).collect();
     let spot = document.spot(at, At::Value).clone();
@@ -100,7 +100,7 @@ fn own(document: &Document, at: &[Step], entry: &Map<String, Value>, mistakes: &
             slots.insert(key.clone(), value.clone());
         } else {
             let hint = did_you_mean(key, &known).unwrap_or_else(|| format!("known keys: {}", known.join(", ")));
-            mistakes.push(wrong(document, &at, At::Key, format!("unknown key `{key}`"), &hint));
+            diagnostics.push(wrong(document, &at, At::Key, format!("unknown key `{key}`"), &hint));
         }
     }
     root.put(Part { step: Step::Key("target".into()), key: document.spot(at, At::Key).clone(), node: mesh_node });

@@ -6,22 +6,22 @@ use serde_json::Value;
 
 use super::include::found;
 use crate::{
-    mistake::{Mistake, Place},
+    diagnostic::Kind,
+    diagnostic::{Diagnostic, Location},
     pipeline::{
         Document, Step,
         places::{Node, Spot},
         words::{did_you_mean, nearest},
     },
-    status::Status,
 };
 
 /// What came of putting variables in.
 #[derive(Debug, Default)]
 pub(super) struct Substituted {
     /// Variables that are not there, and the like.
-    pub mistakes: Vec<Mistake>,
+    pub diagnostics: Vec<Diagnostic>,
     /// The values that they left as they were: whatever is wrong with those follows.
-    pub left: Vec<Place>,
+    pub left: Vec<Location>,
     /// The variables that were used.
     pub used: BTreeSet<String>,
     /// The variables that were probably meant by names that are not there.
@@ -39,8 +39,8 @@ pub(super) fn substitute(document: &mut Document) -> Substituted {
         Some((values @ (Value::Object(_) | Value::Null), part)) => (values, Some(part.node)),
         Some((other, part)) => {
             let message = format!("`variables`: expected a map of names and values, found {}", found(&other));
-            let mistake = Mistake::new(Status::BadPipeline, message).at(part.node.spot.place());
-            result.mistakes.push(mistake.hint("e.g. `variables: { data: ../data }`"));
+            let diagnostic = Diagnostic::new(Kind::BadPipeline, message).at(part.node.spot.location());
+            result.diagnostics.push(diagnostic.hint("e.g. `variables: { data: ../data }`"));
             (Value::Null, None)
         }
     };
@@ -51,7 +51,7 @@ pub(super) fn substitute(document: &mut Document) -> Substituted {
         if !name.chars().all(|c| c.is_alphanumeric() || "_-.".contains(c)) || name.is_empty() {
             let message = format!("`{name}` cannot be the name of a variable");
             let hint = "names have letters, digits, `_`, `-` and `.`";
-            result.mistakes.push(Mistake::new(Status::BadPipeline, message).at(spot.place()).hint(hint));
+            result.diagnostics.push(Diagnostic::new(Kind::BadPipeline, message).at(spot.location()).hint(hint));
         }
         result.defined.push((name.clone(), spot.clone()));
     }
@@ -180,20 +180,20 @@ impl Work<'_> {
         let part = self.node.and_then(|node| node.part(&Step::Key(name.into())));
         let mut from = part.map_or_else(|| node.clone(), |part| part.node.clone());
         self.within.push(name.into());
-        let before = self.result.mistakes.len();
+        let before = self.result.diagnostics.len();
         self.visit(&mut value, &mut from);
         self.within.pop();
-        if self.result.mistakes.len() > before {
-            self.result.left.push(node.spot.place());
+        if self.result.diagnostics.len() > before {
+            self.result.left.push(node.spot.location());
             return None;
         }
         Some((value, Some(from)))
     }
 
     fn wrong(&mut self, node: &Node, part: &str, message: String, hint: String) {
-        let place = node.spot.within(part).place();
-        self.result.mistakes.push(Mistake::new(Status::BadPipeline, message).at(place).hint(hint));
-        self.result.left.push(node.spot.place());
+        let location = node.spot.within(part).location();
+        self.result.diagnostics.push(Diagnostic::new(Kind::BadPipeline, message).at(location).hint(hint));
+        self.result.left.push(node.spot.location());
     }
 }
 
@@ -242,8 +242,8 @@ mod tests {
     fn put_in(text: &str) -> (Value, Vec<String>) {
         let mut document = Document::parse(Path::new("p.yaml"), text).unwrap();
         let result = substitute(&mut document);
-        let first = |mistake: &Mistake| mistake.to_string().lines().next().unwrap_or_default().to_owned();
-        (document.value, result.mistakes.iter().map(first).collect())
+        let first = |diagnostic: &Diagnostic| diagnostic.to_string().lines().next().unwrap_or_default().to_owned();
+        (document.value, result.diagnostics.iter().map(first).collect())
     }
 
     #[test]

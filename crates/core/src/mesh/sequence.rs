@@ -1,0 +1,47 @@
+use nalgebra::Point3;
+
+use super::{Mesh, SurfacePoint};
+
+/// A rest mesh with its poses, as a file or a generator gives them.
+#[derive(Clone, Debug, Default)]
+pub struct MeshSequence {
+    /// The undeformed mesh.
+    pub rest: Mesh,
+    /// The poses, in order.
+    pub poses: Vec<Pose>,
+    /// Named points; two meshes' landmarks of one name are a marker.
+    pub landmarks: Vec<Landmark>,
+    /// Animations of the file that play the poses, for information.
+    pub animations: Vec<Animation>,
+    /// What the reader left out, in sentences.
+    pub warnings: Vec<String>,
+}
+
+/// A posed mesh: positions for the vertices of a rest mesh.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Pose {
+    /// The name: of the file without extension, or of the morph target.
+    pub name: String,
+    /// Posed V, #V × 3.
+    pub positions: Vec<Point3<f64>>,
+}
+
+/// A named point of a mesh (vertices and triangles of the mesh, not of a welded surface).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Landmark {
+    /// The name, unique in the mesh.
+    pub name: String,
+    /// The point; a triangle counts the fan triangles of all polygons in order.
+    pub point: SurfacePoint,
+}
+
+/// An animation in a file.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Animation {
+    /// The name, or its number in the file.
+    pub name: String,
+    /// Length in seconds.
+    pub seconds: f64,
+    /// What it moves, e.g. `morph targets` or `skeleton`.
+    pub channels: Vec<String>,
+}

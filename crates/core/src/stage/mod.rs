@@ -1,0 +1,37 @@
+//! The stages of a pipeline, one trait a file, with the data that passes between them.
+//!
+//! A stage is a plain struct of settings that serde reads; what depends on rest meshes alone is done once, in `bind` or
+//! `correspond`, and the result is `Send + Sync` and serves every pose. The contract of a stage stands in its trait's doc
+//! comment; `testkit::contracts` (feature `testkit`) holds implementations to it.
+
+mod clusterer;
+mod component_ref;
+mod correspondence;
+mod deformer;
+mod format;
+mod generator;
+mod handles;
+mod key_points;
+mod metric;
+mod pair;
+mod proximity;
+mod sampler;
+mod transfer;
+mod triangle_map;
+mod weights;
+
+pub use clusterer::{BoundClusterer, Clusterer, Regions};
+pub use component_ref::ComponentRef;
+pub use correspondence::Correspondence;
+pub use deformer::{BoundDeformer, Deformer, Fit, Skin};
+pub use format::{Format, MeshWriter, PoseWriter, SequenceFormat, SequenceWriter, WriteError, check_pose};
+pub use generator::Generator;
+pub use handles::{HandlePoints, followers};
+pub use key_points::{ChoiceStep, ChoiceWatch, Chosen, KeyPoints, KeyPointsInput};
+pub use metric::{BoundMetric, Frame, Judged, Limit, Measured, Metric, Subject};
+pub use pair::{Marker, Pair};
+pub use proximity::{Link, Proximity, ProximityGraph};
+pub use sampler::Sampler;
+pub use transfer::{BoundTransfer, Motion, Transfer, Transferred};
+pub use triangle_map::TriangleMap;
+pub use weights::{BoundWeights, HandleWeights, Weights};
