@@ -8,7 +8,7 @@ use mimesh::core::{
     mesh::{Surface, SurfacePoint},
     plugin::instance,
     spatial::Similarity,
-    stage::{Marker, Pair, Transfer, TriangleMap},
+    stage::{Marker, Transfer, TransferPair, TriangleMap},
     testkit::{meshes, random::Random},
 };
 use nalgebra::{Point3, Rotation3, Vector3};
@@ -196,7 +196,7 @@ fn bent(surface: &Surface) -> Vec<Point3<f64>> {
 fn moved(settings: serde_json::Value, source: &Surface, target: &Surface, pose: &[Point3<f64>]) -> Vec<Point3<f64>> {
     let stage: Box<dyn Transfer> = serde_json::from_value(settings).expect("settings");
     let markers = markers(&[0, 20, 45, 70, 90]);
-    let pair = Pair { source, target, markers: &markers, proximity: None };
+    let pair = TransferPair { source, target, markers: &markers, proximity: None };
     let bound = stage.bind_to_poses(pair, &TriangleMap::unknown(pair), &[pose.to_vec()]).expect("markers suffice");
     bound.transfer(pose).expect("a finite pose").positions
 }

@@ -12,7 +12,7 @@ use mimesh::core::{
     mesh::{Mesh, Surface, SurfacePoint},
     plugin::instances,
     spatial::Similarity,
-    stage::{Correspondence, Format, Judged, Marker, Metric, Pair, Proximity, Subject, Transfer},
+    stage::{Correspondence, Format, Marker, Metric, MetricContext, MetricInput, Proximity, Transfer, TransferPair},
 };
 use nalgebra::{Point3, Rotation3, Vector3};
 
@@ -93,19 +93,19 @@ fn run(case: &Case, transfer: &str) -> Score {
         .collect();
     let tree: Box<dyn Proximity> = serde_json::from_str(r#"{ "type": "spanning_tree" }"#).unwrap();
     let graph = (target.components().count() > 1).then(|| tree.proximity(&target).unwrap());
-    let pair = Pair { source: &case.source, target: &target, markers: &markers, proximity: graph.as_ref() };
+    let pair = TransferPair { source: &case.source, target: &target, markers: &markers, proximity: graph.as_ref() };
     let fit: Box<dyn Correspondence> = serde_json::from_str(r#"{ "type": "nonrigid_fit" }"#).unwrap();
     let transfer: Box<dyn Transfer> = serde_json::from_str(transfer).unwrap();
     let map = fit.correspond(pair).unwrap();
     let bound = transfer.bind(pair, &map).unwrap();
     let metric: Box<dyn Metric> = serde_json::from_str(r#"{ "type": "point_error" }"#).unwrap();
-    let metric = metric.bind(Subject::alone(&case.target, &target)).unwrap();
+    let metric = metric.bind(MetricContext::alone(&case.target, &target)).unwrap();
     let count = case.poses.len() as f64;
     let mut score = Score { mean: 0.0, rms: 0.0, placed: 0.0, component: 0.0 };
     for (pose, truth) in case.poses.iter().zip(&case.truth) {
         let posed = case.source.from_mesh(pose).unwrap();
         let result = target.to_mesh(&bound.transfer(&posed).unwrap().positions).unwrap();
-        let figures = metric.measure(Judged::against(&result, truth)).unwrap().figures;
+        let figures = metric.measure(MetricInput::against(&result, truth)).unwrap().figures;
         let figure = |name: &str| figures.number(name).unwrap();
         score.mean += figure("mean") / count;
         score.rms += figure("rms").powi(2) / count;
@@ -260,7 +260,7 @@ fn spread_over_the_largest_component(surface: &Surface, count: usize) -> Vec<u32
         let farthest = (0..skin.len()).max_by(|&a, &b| distance[a].total_cmp(&distance[b])).expect("vertices");
         chosen.push(skin[farthest]);
     }
-    chosen.into_iter().map(|v| surface.first_copy[v as usize]).collect()
+    chosen.into_iter().map(|v| surface.representative[v as usize]).collect()
 }
 
 #[test]

@@ -73,7 +73,7 @@ impl<'a> Attacher<'a> {
         let off = |corner: u32| (surface.positions[corner as usize] - found.point).norm();
         let nearest = corners.into_iter().min_by(|a, b| off(*a).total_cmp(&off(*b))).unwrap_or(corners[0]);
         let point = if off(nearest) <= SNAP * self.diagonal {
-            SurfacePoint::Vertex(surface.first_copy[nearest as usize])
+            SurfacePoint::Vertex(surface.representative[nearest as usize])
         } else {
             SurfacePoint::Triangle(found.triangle, found.barycentric)
         };
@@ -90,7 +90,7 @@ impl<'a> Attacher<'a> {
                 let surface = self.side.surface;
                 let corners = surface.triangles[triangle as usize].map(|corner| {
                     (
-                        surface.first_copy[corner as usize],
+                        surface.representative[corner as usize],
                         (surface.positions[corner as usize] - at).norm() / self.diagonal,
                     )
                 });

@@ -10,7 +10,7 @@ use crate::{
         self, Error,
         mesh::{Mesh, Surface},
         plugin,
-        stage::{BoundMetric, Judged, Limit, Measured, Metric, Subject},
+        stage::{BoundMetric, Limit, Measured, Metric, MetricContext, MetricInput},
     },
     diagnostic::{Diagnostic, Result},
     text::number,
@@ -160,7 +160,7 @@ impl<'a> Judges<'a> {
     /// # Errors
     ///
     /// Of the metric.
-    pub fn bind(metrics: &[Box<dyn Metric>], subject: Subject<'a>) -> Result<Self> {
+    pub fn bind(metrics: &[Box<dyn Metric>], subject: MetricContext<'a>) -> Result<Self> {
         let mut judges = Self::of_limits(metrics);
         for (judge, metric) in judges.judges.iter_mut().zip(metrics) {
             judge.bound = Some(metric.bind(subject).map_err(|error| of_metric(metric.as_ref(), error))?);
@@ -190,12 +190,12 @@ impl<'a> Judges<'a> {
     }
 
     /// What all say of `pose`; one that fails does not keep the others from speaking.
-    pub fn measure(&self, pose: Judged<'_>) -> Judgement {
+    pub fn measure(&self, pose: MetricInput<'_>) -> Judgement {
         self.ask(pose, |_| true)
     }
 
     /// What those say that measure against the known result.
-    pub fn against_truth(&self, pose: Judged<'_>) -> Judgement {
+    pub fn against_truth(&self, pose: MetricInput<'_>) -> Judgement {
         self.ask(pose, |judge| judge.needs_truth)
     }
 
@@ -204,7 +204,7 @@ impl<'a> Judges<'a> {
         self.judges.iter().filter(|judge| judge.needs_truth).map(|judge| judge.name.as_str())
     }
 
-    fn ask(&self, pose: Judged<'_>, who: impl Fn(&Judge<'_>) -> bool) -> Judgement {
+    fn ask(&self, pose: MetricInput<'_>, who: impl Fn(&Judge<'_>) -> bool) -> Judgement {
         let mut judgement = Judgement::default();
         for judge in self.judges.iter().filter(|judge| who(judge)) {
             let Some(bound) = &judge.bound else { continue };
@@ -278,7 +278,7 @@ pub fn point_error(
         let hint = "link the crate mimesh-metrics, or build with the feature `bundled`";
         return Err(Error::data("the metric point_error is not linked into this program", hint));
     };
-    metric.bind(Subject::alone(rest, surface))?.measure(Judged::against(result, truth))
+    metric.bind(MetricContext::alone(rest, surface))?.measure(MetricInput::against(result, truth))
 }
 
 /// An error of a metric that is bound, with its name.

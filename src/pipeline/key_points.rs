@@ -47,7 +47,7 @@ fn on_surface(surface: &Surface, point: SurfacePoint) -> SurfacePoint {
 pub fn to_complete(prepared: &PreparedSource, points: &[SurfacePoint], before: &MarkerFile) -> MarkerFile {
     let source = &prepared.source;
     let of_mesh = |point: SurfacePoint| match point {
-        SurfacePoint::Vertex(v) => SurfacePoint::Vertex(source.surface.first_copy[v as usize]),
+        SurfacePoint::Vertex(v) => SurfacePoint::Vertex(source.surface.representative[v as usize]),
         point => point,
     };
     let mut entries: Vec<Entry> = Vec::new();

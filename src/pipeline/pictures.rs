@@ -318,11 +318,12 @@ fn field<'m>(judgement: &'m Judgement, verdict: Option<&Verdict>) -> Option<&'m 
 
 /// Values of the mesh's vertices for those of its surface.
 fn on_surface<'f>(surface: &Surface, field: &'f [f64]) -> Cow<'f, [f64]> {
-    let same = surface.first_copy.len() == field.len() && (0..).zip(&surface.first_copy).all(|(v, copy)| v == *copy);
+    let same =
+        surface.representative.len() == field.len() && (0..).zip(&surface.representative).all(|(v, copy)| v == *copy);
     if same {
         return Cow::Borrowed(field);
     }
-    surface.first_copy.iter().map(|&v| field.get(v as usize).copied().unwrap_or(f64::NAN)).collect()
+    surface.representative.iter().map(|&v| field.get(v as usize).copied().unwrap_or(f64::NAN)).collect()
 }
 
 /// Of poses of one level those with the largest errors are worst, or where nothing is known those nearest to being bad.

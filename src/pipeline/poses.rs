@@ -22,7 +22,7 @@ use crate::{
     core::{
         Error, Figures, Result,
         mesh::check_finite,
-        stage::{BoundTransfer, Frame, Judged, MeshWriter, Motion, SequenceWriter, Transferred, WriteError},
+        stage::{BoundTransfer, Frame, MeshWriter, MetricInput, Motion, SequenceWriter, Transferred, WriteError},
     },
     diagnostic::Kind,
     diagnostic::{self, Diagnostic},
@@ -247,7 +247,7 @@ impl Bench<'_> {
         transfer: impl FnOnce(&[Point3<f64>]) -> Result<Transferred>,
     ) -> Result<Moved> {
         let surface = &self.prepared.source.surface;
-        let parted = surface.parted_copies(posed)?;
+        let parted = surface.opened_seams(posed)?;
         let mut transferred = transfer(&surface.from_mesh(posed)?)?;
         if parted > 0 {
             transferred.figures.warn(format!(
@@ -279,11 +279,11 @@ impl Bench<'_> {
             None
         });
         let judged =
-            Judged { result: &ready.positions, truth: truth.as_deref(), source: ready.source.as_deref(), before };
+            MetricInput { result: &ready.positions, truth: truth.as_deref(), source: ready.source.as_deref(), before };
         let judgement = self.judges.measure(judged);
         let mut said = judgement.said();
         if let Some(truth) = &truth {
-            said.nothing = self.judges.against_truth(Judged::against(&rest.positions, truth)).figures();
+            said.nothing = self.judges.against_truth(MetricInput::against(&rest.positions, truth)).figures();
         }
         if let Some(shelf) = self.shelf.filter(|_| !unreadable) {
             shelf.put_said(i, &said);

@@ -22,7 +22,7 @@ use super::{
 use crate::{
     core::{
         Error, Figures,
-        stage::{Pair, ProximityGraph, Subject, TriangleMap},
+        stage::{MetricContext, ProximityGraph, TransferPair, TriangleMap},
     },
     diagnostic::Kind,
     diagnostic::{Diagnostic, Diagnostics, Location, Result},
@@ -104,7 +104,7 @@ impl Run<'_> {
                 Ok((graph, figures))
             })?,
         };
-        let pair = Pair {
+        let pair = TransferPair {
             source: &source.surface,
             target: &target.surface,
             markers: &prepared.markers,
@@ -154,7 +154,7 @@ impl Run<'_> {
         self.watch.poses(prepared.poses.len());
         let bound = bound.as_deref();
         let known = prepared.pipeline.correspondence.as_ref().map(|_| &map);
-        let subject = Subject {
+        let subject = MetricContext {
             rest: &target.sequence.rest,
             surface: &target.surface,
             pair: Some(pair),

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::core::{
     Error, Figures, Result, register,
-    stage::{BoundTransfer, Correspondence, Pair, Transfer, Transferred, TriangleMap},
+    stage::{BoundTransfer, Correspondence, Transfer, TransferPair, Transferred, TriangleMap},
 };
 
 register!(Correspondence: TestCorrespondence);
@@ -22,7 +22,7 @@ pub struct TestCorrespondence {
 
 #[typetag::serde(name = "test_correspondence")]
 impl Correspondence for TestCorrespondence {
-    fn correspond(&self, pair: Pair<'_>) -> Result<TriangleMap> {
+    fn correspond(&self, pair: TransferPair<'_>) -> Result<TriangleMap> {
         let count = pair.source.triangle_count();
         let whole = |t: u32| Some(t.min(count as u32 - 1));
         let partners = (0..pair.target.triangle_count() as u32).map(whole).collect();
@@ -45,7 +45,7 @@ pub struct TestTransfer {
 
 #[typetag::serde(name = "test_transfer")]
 impl Transfer for TestTransfer {
-    fn bind(&self, pair: Pair<'_>, _: &TriangleMap) -> Result<Box<dyn BoundTransfer>> {
+    fn bind(&self, pair: TransferPair<'_>, _: &TriangleMap) -> Result<Box<dyn BoundTransfer>> {
         Ok(Box::new(Bound { count: pair.target.vertex_count() }))
     }
 }

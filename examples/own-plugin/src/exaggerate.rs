@@ -5,7 +5,7 @@ use mimesh_core::{
     plugin::{instance, nested},
     register,
     spatial::{Orientation, Similarity},
-    stage::{BoundTransfer, Motion, Pair, Transfer, Transferred, TriangleMap},
+    stage::{BoundTransfer, Motion, Transfer, TransferPair, Transferred, TriangleMap},
 };
 use nalgebra::Point3;
 use schemars::JsonSchema;
@@ -36,13 +36,13 @@ impl Default for Exaggerate {
 
 #[typetag::serde(name = "exaggerate")]
 impl Transfer for Exaggerate {
-    fn bind(&self, pair: Pair<'_>, map: &TriangleMap) -> Result<Box<dyn BoundTransfer>> {
+    fn bind(&self, pair: TransferPair<'_>, map: &TriangleMap) -> Result<Box<dyn BoundTransfer>> {
         self.bind_to_poses(pair, map, &[])
     }
 
     fn bind_to_poses(
         &self,
-        pair: Pair<'_>,
+        pair: TransferPair<'_>,
         map: &TriangleMap,
         poses: &[Vec<Point3<f64>>],
     ) -> Result<Box<dyn BoundTransfer>> {
@@ -53,7 +53,7 @@ impl Transfer for Exaggerate {
 
     // What the pipeline asks about this transfer is for the other one to answer.
 
-    fn check(&self, pair: Pair<'_>) -> Result<()> {
+    fn check(&self, pair: TransferPair<'_>) -> Result<()> {
         self.with_other(|of| of.check(pair))
     }
 

@@ -6,7 +6,7 @@ use mimesh_core::{
     Error, Figures, Result,
     mesh::SurfacePoint,
     register,
-    stage::{Correspondence, Pair, TriangleMap},
+    stage::{Correspondence, TransferPair, TriangleMap},
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -34,7 +34,7 @@ struct Contents {
 
 #[typetag::serde(name = "from_file")]
 impl Correspondence for FromFile {
-    fn correspond(&self, pair: Pair<'_>) -> Result<TriangleMap> {
+    fn correspond(&self, pair: TransferPair<'_>) -> Result<TriangleMap> {
         let map = read(&self.path)?;
         map.check(pair).map_err(|error| {
             let hint = "keep the correspondence of these meshes anew, with `keep_correspondence: FILE`";
@@ -43,7 +43,7 @@ impl Correspondence for FromFile {
         Ok(map)
     }
 
-    fn check(&self, pair: Pair<'_>) -> Result<()> {
+    fn check(&self, pair: TransferPair<'_>) -> Result<()> {
         self.correspond(pair).map(drop)
     }
 

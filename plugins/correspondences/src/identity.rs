@@ -4,7 +4,7 @@ use std::collections::HashSet;
 
 use mimesh_core::{
     Error, Result, register,
-    stage::{Correspondence, Pair, TriangleMap},
+    stage::{Correspondence, TransferPair, TriangleMap},
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -18,14 +18,14 @@ pub struct Identity {}
 
 #[typetag::serde(name = "identity")]
 impl Correspondence for Identity {
-    fn correspond(&self, pair: Pair<'_>) -> Result<TriangleMap> {
+    fn correspond(&self, pair: TransferPair<'_>) -> Result<TriangleMap> {
         self.check(pair)?;
         let count = pair.source.triangle_count();
         let partners = (0..count as u32).map(Some).collect();
         Ok(TriangleMap { source_triangles: count, partners, ..TriangleMap::default() })
     }
 
-    fn check(&self, pair: Pair<'_>) -> Result<()> {
+    fn check(&self, pair: TransferPair<'_>) -> Result<()> {
         let (source, target) = (&pair.source.triangles, &pair.target.triangles);
         // Seams may be welded on one side only; corners are one if any vertex of the files became both.
         let both = pair.source.vertex_of.iter().copied().zip(pair.target.vertex_of.iter().copied());

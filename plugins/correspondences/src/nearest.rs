@@ -4,7 +4,7 @@ use mimesh_core::{
     Error, Figures, Result,
     operators::vertex_normals,
     register,
-    stage::{Correspondence, Pair, TriangleMap},
+    stage::{Correspondence, TransferPair, TriangleMap},
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -32,7 +32,7 @@ impl Default for Nearest {
 
 #[typetag::serde(name = "nearest")]
 impl Correspondence for Nearest {
-    fn correspond(&self, pair: Pair<'_>) -> Result<TriangleMap> {
+    fn correspond(&self, pair: TransferPair<'_>) -> Result<TriangleMap> {
         Error::check_setting("max_distance", self.max_distance, 0.0, f64::INFINITY)?;
         let (source, target) = (pair.source, pair.target);
         let facing = Facing::new(&source.positions, &source.triangles)?;

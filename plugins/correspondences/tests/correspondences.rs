@@ -2,7 +2,7 @@
 
 use mimesh_core::{
     mesh::{Surface, SurfacePoint},
-    stage::{Correspondence, Marker, Pair},
+    stage::{Correspondence, Marker, TransferPair},
     testkit::{meshes, random::Random},
 };
 use mimesh_correspondences::{from_file::FromFile, identity::Identity, nearest::Nearest, nonrigid_fit::NonrigidFit};
@@ -37,7 +37,7 @@ fn markers(source: &Surface, target: &Surface) -> Vec<Marker> {
 }
 
 fn error_of(stage: &dyn Correspondence, source: &Surface, target: &Surface, markers: &[Marker]) -> String {
-    let error = stage.correspond(Pair { source, target, markers, proximity: None }).unwrap_err();
+    let error = stage.correspond(TransferPair { source, target, markers, proximity: None }).unwrap_err();
     format!("{error}\nhint: {}", error.hint().unwrap_or("none"))
 }
 
@@ -48,7 +48,7 @@ fn a_fit_finds_the_same_place_on_another_mesh_of_another_size_and_place() {
     let rest = target.positions.clone();
     let turn = Rotation3::from_euler_angles(0.1, -0.2, 0.15);
     target.positions.iter_mut().for_each(|p| *p = turn * *p * 30.0 + Vector3::new(5.0, 600.0, -3.0));
-    let pair = Pair { source: &source, target: &target, markers: &markers, proximity: None };
+    let pair = TransferPair { source: &source, target: &target, markers: &markers, proximity: None };
     let map = NonrigidFit::default().correspond(pair).unwrap();
     assert_eq!(map.orphan_count(), 0);
     let distance = |(p, point): (&Point3<f64>, &Option<SurfacePoint>)| {
@@ -87,7 +87,7 @@ fn markers_pull_the_surface_around_them_to_where_they_point() {
         source: SurfacePoint::Vertex(aim),
         target: SurfacePoint::Triangle(triangle as u32, [0.2, 0.3, 0.5]),
     });
-    let pair = Pair { source: &source, target: &target, markers: &markers, proximity: None };
+    let pair = TransferPair { source: &source, target: &target, markers: &markers, proximity: None };
     let map = NonrigidFit { max_distance: 1.0, ..NonrigidFit::default() }.correspond(pair).unwrap();
     let off = |v: u32, goal: u32| {
         let point = map.points[v as usize].expect("a point").position(&source, &source.positions);
@@ -109,8 +109,9 @@ fn without_steps_a_fit_of_a_surface_to_itself_leaves_no_orphans() {
     let surface = potato(3);
     let markers = markers(&surface, &surface);
     let stage = NonrigidFit { steps: 0, ..NonrigidFit::default() };
-    let map =
-        stage.correspond(Pair { source: &surface, target: &surface, markers: &markers, proximity: None }).unwrap();
+    let map = stage
+        .correspond(TransferPair { source: &surface, target: &surface, markers: &markers, proximity: None })
+        .unwrap();
     assert_eq!(map.orphan_count(), 0);
 }
 
@@ -124,7 +125,7 @@ fn a_sliver_in_the_target_does_not_stop_the_fit() {
         target.positions.push(nalgebra::center(&p, &q) + Vector3::new(0.0, 0.0, height));
         target.triangles.push([a, b, target.positions.len() as u32 - 1]);
         let markers = markers(&source, &source);
-        let map = NonrigidFit::default().correspond(Pair {
+        let map = NonrigidFit::default().correspond(TransferPair {
             source: &source,
             target: &target,
             markers: &markers,
@@ -146,7 +147,9 @@ fn triangles_far_from_the_source_are_orphans_unless_they_have_a_marker() {
     let on_cap = |m: &Marker| matches!(m.target, SurfacePoint::Vertex(v) if is_cap[v as usize]);
     let markers: Vec<_> = markers(&source, &potato(3)).into_iter().filter(|m| !on_cap(m)).collect();
     let stage = NonrigidFit { steps: 1, max_distance: 0.001, ..NonrigidFit::default() };
-    let map = stage.correspond(Pair { source: &source, target: &target, markers: &markers, proximity: None }).unwrap();
+    let map = stage
+        .correspond(TransferPair { source: &source, target: &target, markers: &markers, proximity: None })
+        .unwrap();
     assert!(map.orphan_count() > 0, "some triangles are too far away");
     for marker in &markers {
         let SurfacePoint::Vertex(v) = marker.target else { unreachable!("all are vertices") };
@@ -197,7 +200,7 @@ fn surfaces_that_are_inside_out_are_warned_about() {
     let markers = markers(&source, &target);
     target.triangles.iter_mut().for_each(|t| t.swap(1, 2));
     let map = NonrigidFit::default()
-        .correspond(Pair { source: &source, target: &target, markers: &markers, proximity: None })
+        .correspond(TransferPair { source: &source, target: &target, markers: &markers, proximity: None })
         .unwrap();
     assert!(map.figures.warnings.iter().any(|w| w.contains("inside out")), "{:?}", map.figures);
 }
@@ -216,7 +219,7 @@ fn nearest_leaves_what_is_far_away_as_orphans() {
     let mut target = potato(2);
     target.positions.iter_mut().filter(|p| p.x > 1.5).for_each(|p| p.x += 3.0);
     let map = Nearest::default()
-        .correspond(Pair { source: &source, target: &target, markers: &[], proximity: None })
+        .correspond(TransferPair { source: &source, target: &target, markers: &[], proximity: None })
         .unwrap();
     assert!(map.orphan_count() > 0 && map.orphan_count() < target.triangle_count());
 }
@@ -245,7 +248,7 @@ fn inner_sides_of_parts_correspond_to_the_surface_they_lie_under() {
     let markers: Vec<_> = directions
         .map(|d| Marker { name: format!("{d:?}"), source: corner(&source, d), target: corner(&target, d) })
         .collect();
-    let pair = Pair { source: &source, target: &target, markers: &markers, proximity: None };
+    let pair = TransferPair { source: &source, target: &target, markers: &markers, proximity: None };
     let map = NonrigidFit::default().correspond(pair).unwrap();
     for (v, point) in map.points.iter().enumerate().filter(|(v, _)| target.positions[*v].x.abs() < 1.2) {
         let y = point.expect("every vertex has a point").position(&source, &source.positions).y;

@@ -2,7 +2,7 @@
 
 use mimesh_core::{
     Figures, Result,
-    stage::{BoundMetric, Judged, Measured, Subject},
+    stage::{BoundMetric, Measured, MetricContext, MetricInput},
 };
 
 use crate::{elements::Elements, size, spread::Spread};
@@ -13,7 +13,7 @@ pub const FIGURES: [&str; 8] =
 
 /// Elements of the target, and those of the source if it is known.
 pub struct Change<'a, const N: usize> {
-    pub subject: Subject<'a>,
+    pub subject: MetricContext<'a>,
     pub target: Elements<N>,
     pub source: Option<Elements<N>>,
     pub field_unit: &'static str,
@@ -29,7 +29,7 @@ struct Percent {
 }
 
 impl<const N: usize> BoundMetric for Change<'_, N> {
-    fn measure(&self, pose: Judged<'_>) -> Result<Measured> {
+    fn measure(&self, pose: MetricInput<'_>) -> Result<Measured> {
         self.subject.check(&pose)?;
         let surface = self.subject.surface;
         let logarithms = self.target.logarithms(&surface.from_mesh(pose.result)?);

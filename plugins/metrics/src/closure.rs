@@ -4,7 +4,7 @@ use mimesh_core::{
     Error, Figures, Result,
     mesh::{Surface, bounding_box},
     register,
-    stage::{BoundMetric, Judged, Limit, Measured, Metric, Subject},
+    stage::{BoundMetric, Limit, Measured, Metric, MetricContext, MetricInput},
 };
 use nalgebra::Point3;
 use schemars::JsonSchema;
@@ -49,7 +49,7 @@ pub struct Rims {
 
 #[typetag::serde(name = "closure")]
 impl Metric for Closure {
-    fn bind<'a>(&self, subject: Subject<'a>) -> Result<Box<dyn BoundMetric + 'a>> {
+    fn bind<'a>(&self, subject: MetricContext<'a>) -> Result<Box<dyn BoundMetric + 'a>> {
         let mut gaps = Vec::new();
         for rims in &self.pairs {
             let target = [("target upper", &rims.upper), ("target lower", &rims.lower)];
@@ -72,7 +72,7 @@ impl Metric for Closure {
 }
 
 struct Bound<'a> {
-    subject: Subject<'a>,
+    subject: MetricContext<'a>,
     /// Of target and source.
     gaps: Vec<(Gap, Gap)>,
     /// What they are called.
@@ -80,7 +80,7 @@ struct Bound<'a> {
 }
 
 impl BoundMetric for Bound<'_> {
-    fn measure(&self, pose: Judged<'_>) -> Result<Measured> {
+    fn measure(&self, pose: MetricInput<'_>) -> Result<Measured> {
         self.subject.check(&pose)?;
         let Some(source) = pose.source else { return Ok(Measured::default()) };
         let posed = self.subject.surface.from_mesh(pose.result)?;
@@ -167,7 +167,7 @@ fn on_surface(name: &str, rim: &str, vertices: &[u32], surface: &Surface) -> Res
 
 #[cfg(test)]
 mod tests {
-    use mimesh_core::{mesh::Mesh, stage::Pair, testkit::meshes};
+    use mimesh_core::{mesh::Mesh, stage::TransferPair, testkit::meshes};
 
     use super::*;
     use crate::testing::{assert_figure, with_source};
@@ -205,8 +205,8 @@ mod tests {
         let (strip, mut closure) = strip();
         assert!(with_source(&Closure::default(), &strip, &strip.positions, &strip.positions).values.is_empty());
         let mesh = Mesh::from_triangles(strip.positions.clone(), &strip.triangles);
-        let pair = Pair { source: &strip, target: &strip, markers: &[], proximity: None };
-        let subject = Subject { pair: Some(pair), ..Subject::alone(&mesh, &strip) };
+        let pair = TransferPair { source: &strip, target: &strip, markers: &[], proximity: None };
+        let subject = MetricContext { pair: Some(pair), ..MetricContext::alone(&mesh, &strip) };
         closure.pairs[0].source_lower = vec![3, 25];
         let error = closure.bind(subject).err().unwrap();
         assert_eq!(error.to_string(), "closure pair lips: the source lower rim has no vertex 25: expected 0 to 24");

@@ -6,7 +6,7 @@ use mimesh_core::{
     Figures, Result,
     mesh::Surface,
     register,
-    stage::{BoundMetric, Judged, Limit, Measured, Metric, Subject},
+    stage::{BoundMetric, Limit, Measured, Metric, MetricContext, MetricInput},
 };
 use nalgebra::Point3;
 use schemars::JsonSchema;
@@ -44,7 +44,7 @@ const APART: f64 = 1e-3;
 
 #[typetag::serde(name = "component_gaps")]
 impl Metric for ComponentGaps {
-    fn bind<'a>(&self, subject: Subject<'a>) -> Result<Box<dyn BoundMetric + 'a>> {
+    fn bind<'a>(&self, subject: MetricContext<'a>) -> Result<Box<dyn BoundMetric + 'a>> {
         let diagonal = size::of_rest(subject.rest)?;
         let surface = subject.surface;
         let of_vertex = surface.components().of_vertex;
@@ -70,7 +70,7 @@ impl Metric for ComponentGaps {
 }
 
 struct Bound<'a> {
-    subject: Subject<'a>,
+    subject: MetricContext<'a>,
     target: Gaps,
     source: Option<Gaps>,
     /// The component of each vertex.
@@ -78,7 +78,7 @@ struct Bound<'a> {
 }
 
 impl BoundMetric for Bound<'_> {
-    fn measure(&self, pose: Judged<'_>) -> Result<Measured> {
+    fn measure(&self, pose: MetricInput<'_>) -> Result<Measured> {
         self.subject.check(&pose)?;
         let surface = self.subject.surface;
         let posed = surface.from_mesh(pose.result)?;

@@ -4,7 +4,7 @@ use mimesh_core::{
     Figures, Result,
     operators::polar,
     register,
-    stage::{BoundMetric, Judged, Limit, Measured, Metric, Subject},
+    stage::{BoundMetric, Limit, Measured, Metric, MetricContext, MetricInput},
 };
 use nalgebra::{Matrix3, Vector3};
 use schemars::JsonSchema;
@@ -31,7 +31,7 @@ pub struct ComponentMotion {}
 
 #[typetag::serde(name = "component_motion")]
 impl Metric for ComponentMotion {
-    fn bind<'a>(&self, subject: Subject<'a>) -> Result<Box<dyn BoundMetric + 'a>> {
+    fn bind<'a>(&self, subject: MetricContext<'a>) -> Result<Box<dyn BoundMetric + 'a>> {
         let diagonal = size::of_rest(subject.rest)?;
         let components = subject.surface.components();
         let (of_vertex, count) = (components.of_vertex.clone(), components.count());
@@ -56,14 +56,14 @@ impl Metric for ComponentMotion {
 }
 
 struct Bound<'a> {
-    subject: Subject<'a>,
+    subject: MetricContext<'a>,
     diagonal: f64,
     of_vertex: Vec<Option<u32>>,
     count: usize,
 }
 
 impl BoundMetric for Bound<'_> {
-    fn measure(&self, pose: Judged<'_>) -> Result<Measured> {
+    fn measure(&self, pose: MetricInput<'_>) -> Result<Measured> {
         self.subject.check(&pose)?;
         let Some(truth) = pose.truth.filter(|_| self.count > 1) else { return Ok(Measured::default()) };
         let surface = self.subject.surface;

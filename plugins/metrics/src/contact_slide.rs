@@ -4,7 +4,7 @@ use mimesh_core::{
     Error, Figures, Result,
     mesh::SurfacePoint,
     register,
-    stage::{BoundMetric, Judged, Limit, Measured, Metric, Pair, Subject},
+    stage::{BoundMetric, Limit, Measured, Metric, MetricContext, MetricInput, TransferPair},
 };
 use nalgebra::Point3;
 use schemars::JsonSchema;
@@ -54,7 +54,7 @@ impl Default for ContactSlide {
 
 #[typetag::serde(name = "contact_slide")]
 impl Metric for ContactSlide {
-    fn bind<'a>(&self, subject: Subject<'a>) -> Result<Box<dyn BoundMetric + 'a>> {
+    fn bind<'a>(&self, subject: MetricContext<'a>) -> Result<Box<dyn BoundMetric + 'a>> {
         Error::check_setting("still", self.still, 0.0, 100.0)?;
         Error::check_setting("height", self.height, 0.0, 100.0)?;
         let diagonal = size::of_rest(subject.rest)?;
@@ -81,7 +81,7 @@ impl Metric for ContactSlide {
 
 impl ContactSlide {
     /// The vertices of the target that lie on what is low of the source at rest, with their points there.
-    fn low(&self, pair: Pair<'_>, points: &[SurfacePoint], height: f64) -> Vec<(u32, SurfacePoint)> {
+    fn low(&self, pair: TransferPair<'_>, points: &[SurfacePoint], height: f64) -> Vec<(u32, SurfacePoint)> {
         let up = self.up as usize;
         let rest = &pair.source.positions;
         // A stray vertex below the feet is no ground.
@@ -93,7 +93,7 @@ impl ContactSlide {
 }
 
 struct Bound<'a> {
-    subject: Subject<'a>,
+    subject: MetricContext<'a>,
     diagonal: f64,
     /// In the unit of the source.
     still: f64,
@@ -101,7 +101,7 @@ struct Bound<'a> {
 }
 
 impl BoundMetric for Bound<'_> {
-    fn measure(&self, pose: Judged<'_>) -> Result<Measured> {
+    fn measure(&self, pose: MetricInput<'_>) -> Result<Measured> {
         self.subject.check(&pose)?;
         let (Some(pair), Some(now), Some(before)) = (self.subject.pair, pose.source, pose.before[0]) else {
             return Ok(Measured::default());
@@ -152,8 +152,8 @@ mod tests {
             ..TriangleMap::default()
         };
         let mesh = Mesh::from_triangles(target.positions.clone(), &target.triangles);
-        let pair = Pair { source: target, target, markers: &[], proximity: None };
-        let subject = Subject { pair: Some(pair), map: Some(&map), ..Subject::alone(&mesh, target) };
+        let pair = TransferPair { source: target, target, markers: &[], proximity: None };
+        let subject = MetricContext { pair: Some(pair), map: Some(&map), ..MetricContext::alone(&mesh, target) };
         let metric = ContactSlide { up, ..ContactSlide::default() };
         frames(subject, &metric, [result[0], result[1], result[1]], [source[0], source[1], source[1]])
     }

@@ -2,7 +2,7 @@
 
 use mimesh_core::{
     Result, register,
-    stage::{BoundMetric, Limit, Metric, Subject},
+    stage::{BoundMetric, Limit, Metric, MetricContext},
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -32,7 +32,7 @@ pub struct EdgeStretch {}
 
 #[typetag::serde(name = "edge_stretch")]
 impl Metric for EdgeStretch {
-    fn bind<'a>(&self, subject: Subject<'a>) -> Result<Box<dyn BoundMetric + 'a>> {
+    fn bind<'a>(&self, subject: MetricContext<'a>) -> Result<Box<dyn BoundMetric + 'a>> {
         let target = elements::edges(subject.surface);
         let source = subject.pair.map(|pair| elements::edges(pair.source));
         Ok(Box::new(Change { subject, target, source, field_unit: "stretch, %", field_high: 100.0 }))

@@ -5,7 +5,7 @@ use mimesh_core::{
     mesh::Surface,
     operators::{polar, relative_height},
     register,
-    stage::{BoundMetric, Judged, Limit, Measured, Metric, Subject},
+    stage::{BoundMetric, Limit, Measured, Metric, MetricContext, MetricInput},
 };
 use nalgebra::{Matrix3, Point3, Vector3};
 use rayon::prelude::*;
@@ -34,7 +34,7 @@ pub struct FlippedTriangles {}
 
 #[typetag::serde(name = "flipped_triangles")]
 impl Metric for FlippedTriangles {
-    fn bind<'a>(&self, subject: Subject<'a>) -> Result<Box<dyn BoundMetric + 'a>> {
+    fn bind<'a>(&self, subject: MetricContext<'a>) -> Result<Box<dyn BoundMetric + 'a>> {
         let source = subject.pair.map(|pair| Rest::new(pair.source));
         Ok(Box::new(Bound { subject, target: Rest::new(subject.surface), source }))
     }
@@ -56,13 +56,13 @@ impl Metric for FlippedTriangles {
 }
 
 struct Bound<'a> {
-    subject: Subject<'a>,
+    subject: MetricContext<'a>,
     target: Rest<'a>,
     source: Option<Rest<'a>>,
 }
 
 impl BoundMetric for Bound<'_> {
-    fn measure(&self, pose: Judged<'_>) -> Result<Measured> {
+    fn measure(&self, pose: MetricInput<'_>) -> Result<Measured> {
         self.subject.check(&pose)?;
         let surface = self.subject.surface;
         let posed = surface.from_mesh(pose.result)?;

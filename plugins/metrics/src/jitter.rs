@@ -2,7 +2,7 @@
 
 use mimesh_core::{
     Figures, Result, register,
-    stage::{BoundMetric, Judged, Limit, Measured, Metric, Subject},
+    stage::{BoundMetric, Limit, Measured, Metric, MetricContext, MetricInput},
 };
 use nalgebra::Point3;
 use schemars::JsonSchema;
@@ -31,7 +31,7 @@ const FLOOR: f64 = 0.05;
 
 #[typetag::serde(name = "jitter")]
 impl Metric for Jitter {
-    fn bind<'a>(&self, subject: Subject<'a>) -> Result<Box<dyn BoundMetric + 'a>> {
+    fn bind<'a>(&self, subject: MetricContext<'a>) -> Result<Box<dyn BoundMetric + 'a>> {
         let diagonal = size::of_rest(subject.rest)?;
         let source_diagonal = subject.pair.map(|pair| size::of_source(pair.source)).transpose()?;
         Ok(Box::new(Bound { subject, diagonal, source_diagonal }))
@@ -51,13 +51,13 @@ impl Metric for Jitter {
 }
 
 struct Bound<'a> {
-    subject: Subject<'a>,
+    subject: MetricContext<'a>,
     diagonal: f64,
     source_diagonal: Option<f64>,
 }
 
 impl BoundMetric for Bound<'_> {
-    fn measure(&self, pose: Judged<'_>) -> Result<Measured> {
+    fn measure(&self, pose: MetricInput<'_>) -> Result<Measured> {
         self.subject.check(&pose)?;
         let [Some(one), Some(two)] = pose.before else { return Ok(Measured::default()) };
         let surface = self.subject.surface;
@@ -96,7 +96,7 @@ fn second_differences([now, one, two]: [&[Point3<f64>]; 3], diagonal: f64) -> Ve
 mod tests {
     use mimesh_core::{
         mesh::Mesh,
-        stage::{Frame, Pair},
+        stage::{Frame, TransferPair},
         testkit::meshes,
     };
     use nalgebra::Vector3;
@@ -108,8 +108,8 @@ mod tests {
     fn a_constant_velocity_has_no_jitter_and_trembling_by_a_has_four_a() {
         let sphere = meshes::icosphere(1);
         let mesh = Mesh::from_triangles(sphere.positions.clone(), &sphere.triangles);
-        let pair = Pair { source: &sphere, target: &sphere, markers: &[], proximity: None };
-        let subject = Subject { pair: Some(pair), ..Subject::alone(&mesh, &sphere) };
+        let pair = TransferPair { source: &sphere, target: &sphere, markers: &[], proximity: None };
+        let subject = MetricContext { pair: Some(pair), ..MetricContext::alone(&mesh, &sphere) };
         let step = Vector3::new(0.3, 0.1, 0.0);
         let steady = [2.0, 1.0, 0.0].map(|k| moved(&sphere.positions, step * k));
         let steady = [&steady[0][..], &steady[1], &steady[2]];
@@ -134,8 +134,8 @@ mod tests {
         assert!(alone(&Jitter {}, &sphere, &sphere.positions).figures.values.is_empty());
         let mesh = Mesh::from_triangles(sphere.positions.clone(), &sphere.triangles);
         let before = Some(Frame { result: &sphere.positions, source: None });
-        let judged = Judged { before: [before, None], ..Judged::alone(&sphere.positions) };
-        let bound = Jitter {}.bind(Subject::alone(&mesh, &sphere)).unwrap();
+        let judged = MetricInput { before: [before, None], ..MetricInput::alone(&sphere.positions) };
+        let bound = Jitter {}.bind(MetricContext::alone(&mesh, &sphere)).unwrap();
         assert!(bound.measure(judged).unwrap().figures.values.is_empty());
     }
 }

@@ -4,7 +4,7 @@ use mimesh_core::{
     Figures, Result,
     mesh::Surface,
     register,
-    stage::{BoundMetric, Judged, Limit, Measured, Metric, Pair, Subject, TriangleMap},
+    stage::{BoundMetric, Limit, Measured, Metric, MetricContext, MetricInput, TransferPair, TriangleMap},
 };
 use nalgebra::Point3;
 use schemars::JsonSchema;
@@ -35,7 +35,7 @@ const TEAR: f64 = 5.0;
 
 #[typetag::serde(name = "map_tears")]
 impl Metric for MapTears {
-    fn bind<'a>(&self, subject: Subject<'a>) -> Result<Box<dyn BoundMetric + 'a>> {
+    fn bind<'a>(&self, subject: MetricContext<'a>) -> Result<Box<dyn BoundMetric + 'a>> {
         let measured = match (subject.pair, subject.map) {
             (Some(pair), Some(map)) => tears(subject, pair, map)?,
             _ => Measured::default(),
@@ -61,12 +61,12 @@ impl Metric for MapTears {
 }
 
 struct Bound<'a> {
-    subject: Subject<'a>,
+    subject: MetricContext<'a>,
     measured: Measured,
 }
 
 impl BoundMetric for Bound<'_> {
-    fn measure(&self, pose: Judged<'_>) -> Result<Measured> {
+    fn measure(&self, pose: MetricInput<'_>) -> Result<Measured> {
         self.subject.check(&pose)?;
         Ok(self.measured.clone())
     }
@@ -79,7 +79,7 @@ struct Neighbours {
     vertices: Vec<u32>,
 }
 
-fn tears(subject: Subject<'_>, pair: Pair<'_>, map: &TriangleMap) -> Result<Measured> {
+fn tears(subject: MetricContext<'_>, pair: TransferPair<'_>, map: &TriangleMap) -> Result<Measured> {
     map.check(pair)?;
     let (diagonal, source_diagonal) = (size::of_rest(subject.rest)?, size::of_source(pair.source)?);
     let neighbours = if map.points.iter().any(Option::is_some) { ends(pair, map) } else { triangles(pair, map) };
@@ -105,7 +105,7 @@ fn tears(subject: Subject<'_>, pair: Pair<'_>, map: &TriangleMap) -> Result<Meas
 }
 
 /// Ends of edges that lie at points of the source.
-fn ends(pair: Pair<'_>, map: &TriangleMap) -> Vec<Neighbours> {
+fn ends(pair: TransferPair<'_>, map: &TriangleMap) -> Vec<Neighbours> {
     let at = |point: &Option<_>| -> Option<Point3<f64>> {
         point.map(|p: mimesh_core::mesh::SurfacePoint| p.position(pair.source, &pair.source.positions))
     };
@@ -123,7 +123,7 @@ fn ends(pair: Pair<'_>, map: &TriangleMap) -> Vec<Neighbours> {
 }
 
 /// Adjacent triangles with partners.
-fn triangles(pair: Pair<'_>, map: &TriangleMap) -> Vec<Neighbours> {
+fn triangles(pair: TransferPair<'_>, map: &TriangleMap) -> Vec<Neighbours> {
     let [target, source] = [pair.target, pair.source].map(|surface| surface.barycentres(&surface.positions));
     let neighbours = |[a, b]: [u32; 2]| {
         let (p, q) = (map.partners[a as usize]?, map.partners[b as usize]?);
@@ -153,9 +153,9 @@ mod tests {
 
     fn measure(surface: &Surface, map: &TriangleMap) -> Measured {
         let mesh = Mesh::from_triangles(surface.positions.clone(), &surface.triangles);
-        let pair = Pair { source: surface, target: surface, markers: &[], proximity: None };
-        let subject = Subject { pair: Some(pair), map: Some(map), ..Subject::alone(&mesh, surface) };
-        MapTears {}.bind(subject).unwrap().measure(Judged::alone(&surface.positions)).unwrap()
+        let pair = TransferPair { source: surface, target: surface, markers: &[], proximity: None };
+        let subject = MetricContext { pair: Some(pair), map: Some(map), ..MetricContext::alone(&mesh, surface) };
+        MapTears {}.bind(subject).unwrap().measure(MetricInput::alone(&surface.positions)).unwrap()
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use mimesh_core::{
     Figures, Result, register,
-    stage::{BoundMetric, Judged, Limit, Measured, Metric, Pair, Subject},
+    stage::{BoundMetric, Limit, Measured, Metric, MetricContext, MetricInput, TransferPair},
 };
 use nalgebra::{DMatrix, Matrix3, Point3, Vector3};
 use schemars::JsonSchema;
@@ -47,7 +47,7 @@ const FLAT: f64 = 0.02;
 
 #[typetag::serde(name = "marker_fit")]
 impl Metric for MarkerFit {
-    fn bind<'a>(&self, subject: Subject<'a>) -> Result<Box<dyn BoundMetric + 'a>> {
+    fn bind<'a>(&self, subject: MetricContext<'a>) -> Result<Box<dyn BoundMetric + 'a>> {
         let mut figures = Figures::default();
         if let Some(pair) = subject.pair.filter(|pair| pair.markers.len() >= FEWEST) {
             pair.check_markers()?;
@@ -77,12 +77,12 @@ impl Metric for MarkerFit {
 const FULL: f64 = 15.0;
 
 struct Bound<'a> {
-    subject: Subject<'a>,
+    subject: MetricContext<'a>,
     figures: Figures,
 }
 
 impl BoundMetric for Bound<'_> {
-    fn measure(&self, pose: Judged<'_>) -> Result<Measured> {
+    fn measure(&self, pose: MetricInput<'_>) -> Result<Measured> {
         self.subject.check(&pose)?;
         let worst = self.figures.number("worst").map(|worst| worst as usize);
         let marker = self.subject.pair.zip(worst).and_then(|(pair, worst)| pair.markers.get(worst));
@@ -91,7 +91,7 @@ impl BoundMetric for Bound<'_> {
     }
 }
 
-fn fit(pair: Pair<'_>, diagonal: f64, figures: &mut Figures) {
+fn fit(pair: TransferPair<'_>, diagonal: f64, figures: &mut Figures) {
     let step = pair.markers.len().div_ceil(MOST);
     let used = || pair.markers.iter().step_by(step);
     let source: Vec<_> = used().map(|m| m.source.position(pair.source, &pair.source.positions)).collect();
@@ -202,9 +202,9 @@ mod tests {
         };
         let markers: Vec<_> = (0..source.vertex_count() as u32).step_by(5).map(marker).collect();
         let mesh = Mesh::from_triangles(target.positions.clone(), &target.triangles);
-        let pair = Pair { source: &source, target: &target, markers: &markers, proximity: None };
-        let subject = Subject { pair: Some(pair), ..Subject::alone(&mesh, &target) };
-        MarkerFit {}.bind(subject).unwrap().measure(Judged::alone(&target.positions)).unwrap().figures
+        let pair = TransferPair { source: &source, target: &target, markers: &markers, proximity: None };
+        let subject = MetricContext { pair: Some(pair), ..MetricContext::alone(&mesh, &target) };
+        MarkerFit {}.bind(subject).unwrap().measure(MetricInput::alone(&target.positions)).unwrap().figures
     }
 
     #[test]

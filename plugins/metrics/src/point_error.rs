@@ -4,7 +4,7 @@ use mimesh_core::{
     Error, Figures, Result,
     mesh::Mesh,
     register,
-    stage::{BoundMetric, Judged, Limit, Measured, Metric, Subject},
+    stage::{BoundMetric, Limit, Measured, Metric, MetricContext, MetricInput},
 };
 use nalgebra::Vector3;
 use schemars::JsonSchema;
@@ -32,7 +32,7 @@ pub struct PointError {}
 
 #[typetag::serde(name = "point_error")]
 impl Metric for PointError {
-    fn bind<'a>(&self, subject: Subject<'a>) -> Result<Box<dyn BoundMetric + 'a>> {
+    fn bind<'a>(&self, subject: MetricContext<'a>) -> Result<Box<dyn BoundMetric + 'a>> {
         let diagonal = size::of_rest(subject.rest)?;
         Ok(Box::new(Bound { subject, diagonal, labels: components(subject.rest) }))
     }
@@ -72,14 +72,14 @@ const CURVE: usize = 50;
 const CURVE_END: f64 = 10.0;
 
 struct Bound<'a> {
-    subject: Subject<'a>,
+    subject: MetricContext<'a>,
     diagonal: f64,
     /// For each vertex its component.
     labels: Vec<usize>,
 }
 
 impl BoundMetric for Bound<'_> {
-    fn measure(&self, pose: Judged<'_>) -> Result<Measured> {
+    fn measure(&self, pose: MetricInput<'_>) -> Result<Measured> {
         self.subject.check(&pose)?;
         let (result, Some(truth)) = (pose.result, pose.truth) else { return Ok(Measured::default()) };
         let count = result.len();
@@ -213,8 +213,8 @@ mod tests {
 
     fn try_measure(rest: &Mesh, result: &[Point3<f64>], truth: &[Point3<f64>]) -> Result<Figures> {
         let surface = Surface::new(rest)?;
-        let subject = Subject::alone(rest, &surface);
-        Ok(PointError::default().bind(subject)?.measure(Judged::against(result, truth))?.figures)
+        let subject = MetricContext::alone(rest, &surface);
+        Ok(PointError::default().bind(subject)?.measure(MetricInput::against(result, truth))?.figures)
     }
 
     /// Sums of some hundred numbers of size 100 round to about this.

@@ -4,7 +4,7 @@ use mimesh_core::{
     Figures, Result,
     mesh::Surface,
     register,
-    stage::{BoundMetric, Judged, Limit, Measured, Metric, Subject},
+    stage::{BoundMetric, Limit, Measured, Metric, MetricContext, MetricInput},
 };
 use nalgebra::Point3;
 use schemars::JsonSchema;
@@ -32,7 +32,7 @@ const SLACK: f64 = 1e-6;
 
 #[typetag::serde(name = "self_intersections")]
 impl Metric for SelfIntersections {
-    fn bind<'a>(&self, subject: Subject<'a>) -> Result<Box<dyn BoundMetric + 'a>> {
+    fn bind<'a>(&self, subject: MetricContext<'a>) -> Result<Box<dyn BoundMetric + 'a>> {
         let source = subject.pair.map(|pair| Rest::new(pair.source));
         Ok(Box::new(Bound { subject, target: Rest::new(subject.surface), source }))
     }
@@ -47,13 +47,13 @@ impl Metric for SelfIntersections {
 }
 
 struct Bound<'a> {
-    subject: Subject<'a>,
+    subject: MetricContext<'a>,
     target: Rest<'a>,
     source: Option<Rest<'a>>,
 }
 
 impl BoundMetric for Bound<'_> {
-    fn measure(&self, pose: Judged<'_>) -> Result<Measured> {
+    fn measure(&self, pose: MetricInput<'_>) -> Result<Measured> {
         self.subject.check(&pose)?;
         let surface = self.subject.surface;
         let (crossing, pairs) = self.target.new_crossings(&surface.from_mesh(pose.result)?);

@@ -3,42 +3,42 @@
 use mimesh_core::{
     Figures,
     mesh::{Mesh, Surface},
-    stage::{Frame, Judged, Measured, Metric, Pair, Subject},
+    stage::{Frame, Measured, Metric, MetricContext, MetricInput, TransferPair},
 };
 use nalgebra::{Point3, Vector3};
 
 /// What `metric` says of `posed` alone.
 pub fn alone(metric: &dyn Metric, rest: &Surface, posed: &[Point3<f64>]) -> Measured {
     let mesh = Mesh::from_triangles(rest.positions.clone(), &rest.triangles);
-    let bound = metric.bind(Subject::alone(&mesh, rest)).unwrap();
-    bound.measure(Judged::alone(posed)).unwrap()
+    let bound = metric.bind(MetricContext::alone(&mesh, rest)).unwrap();
+    bound.measure(MetricInput::alone(posed)).unwrap()
 }
 
 /// What it says against a known result.
 pub fn against(metric: &dyn Metric, rest: &Surface, posed: &[Point3<f64>], truth: &[Point3<f64>]) -> Figures {
     let mesh = Mesh::from_triangles(rest.positions.clone(), &rest.triangles);
-    let bound = metric.bind(Subject::alone(&mesh, rest)).unwrap();
-    bound.measure(Judged::against(posed, truth)).unwrap().figures
+    let bound = metric.bind(MetricContext::alone(&mesh, rest)).unwrap();
+    bound.measure(MetricInput::against(posed, truth)).unwrap().figures
 }
 
 /// What it says of `posed` where the source, of the same rest, moves to `source`.
 pub fn with_source(metric: &dyn Metric, rest: &Surface, posed: &[Point3<f64>], source: &[Point3<f64>]) -> Figures {
     let mesh = Mesh::from_triangles(rest.positions.clone(), &rest.triangles);
-    let pair = Pair { source: rest, target: rest, markers: &[], proximity: None };
-    let subject = Subject { pair: Some(pair), ..Subject::alone(&mesh, rest) };
-    let judged = Judged { source: Some(source), ..Judged::alone(posed) };
+    let pair = TransferPair { source: rest, target: rest, markers: &[], proximity: None };
+    let subject = MetricContext { pair: Some(pair), ..MetricContext::alone(&mesh, rest) };
+    let judged = MetricInput { source: Some(source), ..MetricInput::alone(posed) };
     metric.bind(subject).unwrap().measure(judged).unwrap().figures
 }
 
 /// What it says of the last of three frames, of target and source, the latest first.
 pub fn frames(
-    subject: Subject<'_>,
+    subject: MetricContext<'_>,
     metric: &dyn Metric,
     result: [&[Point3<f64>]; 3],
     source: [&[Point3<f64>]; 3],
 ) -> Figures {
     let frame = |k: usize| Some(Frame { result: result[k], source: Some(source[k]) });
-    let judged = Judged { source: Some(source[0]), before: [frame(1), frame(2)], ..Judged::alone(result[0]) };
+    let judged = MetricInput { source: Some(source[0]), before: [frame(1), frame(2)], ..MetricInput::alone(result[0]) };
     metric.bind(subject).unwrap().measure(judged).unwrap().figures
 }
 

@@ -4,7 +4,7 @@ use mimesh_core::{
     Figures, Result,
     mesh::Surface,
     register,
-    stage::{BoundMetric, Judged, Limit, Measured, Metric, Subject},
+    stage::{BoundMetric, Limit, Measured, Metric, MetricContext, MetricInput},
 };
 use nalgebra::{Point3, Vector3};
 use schemars::JsonSchema;
@@ -37,7 +37,7 @@ const SMALLEST: f64 = 1e-3;
 
 #[typetag::serde(name = "volume")]
 impl Metric for Volume {
-    fn bind<'a>(&self, subject: Subject<'a>) -> Result<Box<dyn BoundMetric + 'a>> {
+    fn bind<'a>(&self, subject: MetricContext<'a>) -> Result<Box<dyn BoundMetric + 'a>> {
         let source = subject.pair.map(|pair| Solids::new(pair.source));
         Ok(Box::new(Bound { subject, target: Solids::new(subject.surface), source }))
     }
@@ -59,13 +59,13 @@ impl Metric for Volume {
 }
 
 struct Bound<'a> {
-    subject: Subject<'a>,
+    subject: MetricContext<'a>,
     target: Solids<'a>,
     source: Option<Solids<'a>>,
 }
 
 impl BoundMetric for Bound<'_> {
-    fn measure(&self, pose: Judged<'_>) -> Result<Measured> {
+    fn measure(&self, pose: MetricInput<'_>) -> Result<Measured> {
         self.subject.check(&pose)?;
         let posed = self.subject.surface.from_mesh(pose.result)?;
         let volumes = self.target.volumes(&posed);

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use mimesh_core::{
     mesh::{Mesh, Surface, SurfacePoint},
     plugin,
-    stage::{Format, Judged, Marker, Metric, Pair, Subject},
+    stage::{Format, Marker, Metric, MetricContext, MetricInput, TransferPair},
     testkit::random::Random,
 };
 use mimesh_formats as _;
@@ -53,11 +53,11 @@ impl Scene {
             target: SurfacePoint::Vertex(self.target.vertex_of[t as usize]),
         };
         let markers: Vec<_> = self.markers.iter().map(marker).collect();
-        let pair = Pair { source: &self.source, target: &self.target, markers: &markers, proximity: None };
-        let subject = Subject { pair: Some(pair), ..Subject::alone(&self.mesh, &self.target) };
+        let pair = TransferPair { source: &self.source, target: &self.target, markers: &markers, proximity: None };
+        let subject = MetricContext { pair: Some(pair), ..MetricContext::alone(&self.mesh, &self.target) };
         let mut bad = Vec::new();
         for (name, metric) in plugin::instances::<dyn Metric>() {
-            let judged = Judged { source: Some(source), ..Judged::alone(result) };
+            let judged = MetricInput { source: Some(source), ..MetricInput::alone(result) };
             let figures = metric.bind(subject).unwrap().measure(judged).unwrap().figures;
             let limits = metric.limits();
             let above = limits.iter().filter(|limit| figures.number(limit.figure).is_some_and(|x| x.abs() > limit.bad));

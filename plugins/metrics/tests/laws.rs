@@ -4,7 +4,7 @@ use mimesh_core::{
     Figures,
     mesh::{Mesh, Surface, SurfacePoint},
     plugin,
-    stage::{Frame, Judged, Marker, Metric, Pair, Subject, TriangleMap},
+    stage::{Frame, Marker, Metric, MetricContext, MetricInput, TransferPair, TriangleMap},
     testkit::{meshes, random::Random},
 };
 use mimesh_metrics as _;
@@ -74,10 +74,10 @@ impl Scene {
             partners: (0..count).map(|t| Some((t + 5) % count)).collect(),
             ..TriangleMap::default()
         };
-        let pair = Pair { source: rest, target: rest, markers: &markers, proximity: None };
-        let subject = Subject { rest: &mesh, surface: rest, pair: Some(pair), map: Some(&map) };
+        let pair = TransferPair { source: rest, target: rest, markers: &markers, proximity: None };
+        let subject = MetricContext { rest: &mesh, surface: rest, pair: Some(pair), map: Some(&map) };
         let frame = |k: usize| Some(Frame { result: &self.result[k], source: Some(&self.source[k]) });
-        let judged = Judged {
+        let judged = MetricInput {
             result: &self.result[0],
             truth: Some(&self.truth),
             source: Some(&self.source[0]),

@@ -13,7 +13,7 @@ use mimesh_core::{
     Figures,
     mesh::{Mesh, Surface},
     plugin,
-    stage::{Format, Judged, Metric, Subject},
+    stage::{Format, Metric, MetricContext, MetricInput},
 };
 use mimesh_formats as _;
 use mimesh_metrics as _;
@@ -82,7 +82,7 @@ fn read(file: &Path) -> Mesh {
 
 fn measure(name: &str, mesh: &Mesh, surface: &Surface, posed: &[Point3<f64>]) -> Figures {
     let (_, metric) = plugin::instances::<dyn Metric>().into_iter().find(|(n, _)| *n == name).unwrap();
-    metric.bind(Subject::alone(mesh, surface)).unwrap().measure(Judged::alone(posed)).unwrap().figures
+    metric.bind(MetricContext::alone(mesh, surface)).unwrap().measure(MetricInput::alone(posed)).unwrap().figures
 }
 
 fn ask(python: &str, cases: &[(Mesh, Surface, Vec<Point3<f64>>, bool)]) -> Vec<Value> {

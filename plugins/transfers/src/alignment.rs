@@ -3,7 +3,7 @@
 use mimesh_core::{
     mesh::SurfacePoint,
     spatial::{Orientation, Similarity},
-    stage::{Pair, TriangleMap},
+    stage::{TransferPair, TriangleMap},
 };
 use nalgebra::{Point3, Vector3};
 
@@ -19,7 +19,7 @@ pub struct Alignment {
 }
 
 impl Alignment {
-    pub fn new(pair: Pair<'_>, map: &TriangleMap, orientation: Orientation) -> Self {
+    pub fn new(pair: TransferPair<'_>, map: &TriangleMap, orientation: Orientation) -> Self {
         let (source, target) = (pair.source, pair.target);
         let areas = target.area_normals(&target.positions);
         let (mut from, mut to, mut weights) = (Vec::new(), Vec::new(), Vec::new());
@@ -56,7 +56,7 @@ impl Alignment {
 
 /// The source points under target triangle `t` with their shares, which sum to 1: those of its corners if all are known,
 /// else the middle of its partner; `None` for an orphan.
-fn places(pair: Pair<'_>, map: &TriangleMap, t: usize) -> Option<Vec<(SurfacePoint, f64)>> {
+fn places(pair: TransferPair<'_>, map: &TriangleMap, t: usize) -> Option<Vec<(SurfacePoint, f64)>> {
     let partner = map.partners[t]?;
     let corners: Option<Vec<_>> =
         pair.target.triangles[t].iter().map(|&v| Some((map.points.get(v as usize).copied()??, 1.0 / 3.0))).collect();

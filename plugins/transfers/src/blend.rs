@@ -14,7 +14,7 @@ use mimesh_core::{
     operators::{DeformationGradients, voronoi_mass},
     register,
     spatial::EdgePaths,
-    stage::{BoundTransfer, ComponentRef, Motion, Pair, Transfer, Transferred, TriangleMap},
+    stage::{BoundTransfer, ComponentRef, Motion, Transfer, TransferPair, Transferred, TriangleMap},
 };
 use nalgebra::{Matrix3, Point3, Vector3};
 use schemars::JsonSchema;
@@ -23,8 +23,8 @@ use serde::{Deserialize, Serialize};
 use crate::{
     frames::{Frames, spread},
     gradient::GradientTransfer,
-    loose::Loose,
     poisson::Poisson,
+    unreferenced::Unreferenced,
 };
 
 register!(Transfer: Blend);
@@ -61,7 +61,7 @@ impl Default for Blend {
 
 #[typetag::serde(name = "blend")]
 impl Transfer for Blend {
-    fn bind(&self, pair: Pair<'_>, map: &TriangleMap) -> Result<Box<dyn BoundTransfer>> {
+    fn bind(&self, pair: TransferPair<'_>, map: &TriangleMap) -> Result<Box<dyn BoundTransfer>> {
         self.bind_to_poses(pair, map, &[])
     }
 
@@ -75,7 +75,7 @@ impl Transfer for Blend {
 
     fn bind_to_poses(
         &self,
-        pair: Pair<'_>,
+        pair: TransferPair<'_>,
         map: &TriangleMap,
         poses: &[Vec<Point3<f64>>],
     ) -> Result<Box<dyn BoundTransfer>> {
@@ -98,7 +98,7 @@ impl Transfer for Blend {
             parts,
             gradients: DeformationGradients::new(&target.positions, &target.triangles),
             triangles: target.triangles.clone(),
-            loose: Loose::new(target),
+            loose: Unreferenced::new(target),
             weights,
             members,
             poisson,
@@ -106,7 +106,7 @@ impl Transfer for Blend {
         }))
     }
 
-    fn check(&self, pair: Pair<'_>) -> Result<()> {
+    fn check(&self, pair: TransferPair<'_>) -> Result<()> {
         Error::check_setting("border", self.border, 0.0, f64::INFINITY)?;
         self.regions(pair.target)?;
         self.parts.iter().enumerate().try_for_each(|(k, part)| part.transfer.check(pair).map_err(|error| at(k, error)))
@@ -164,7 +164,7 @@ impl Blend {
     }
 
     /// φ of each part at each vertex (#V of the target).
-    fn weights(&self, pair: Pair<'_>) -> Result<Vec<Vec<f64>>> {
+    fn weights(&self, pair: TransferPair<'_>) -> Result<Vec<Vec<f64>>> {
         let target = pair.target;
         let regions = self.regions(target)?;
         let width = self.border * target.diagonal();
@@ -256,7 +256,7 @@ struct Bound {
     members: Members,
     /// Where there is a mixed component.
     poisson: Option<Poisson>,
-    loose: Loose,
+    loose: Unreferenced,
     figures: Figures,
 }
 

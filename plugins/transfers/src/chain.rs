@@ -10,7 +10,7 @@ use mimesh_core::{
     Error, Figures, Result,
     mesh::{Surface, SurfacePoint},
     register,
-    stage::{BoundTransfer, Marker, Motion, Pair, Transfer, Transferred, TriangleMap},
+    stage::{BoundTransfer, Marker, Motion, Transfer, TransferPair, Transferred, TriangleMap},
 };
 use nalgebra::Point3;
 use schemars::JsonSchema;
@@ -41,7 +41,7 @@ impl Default for Chain {
 
 #[typetag::serde(name = "chain")]
 impl Transfer for Chain {
-    fn bind(&self, pair: Pair<'_>, map: &TriangleMap) -> Result<Box<dyn BoundTransfer>> {
+    fn bind(&self, pair: TransferPair<'_>, map: &TriangleMap) -> Result<Box<dyn BoundTransfer>> {
         self.bind_to_poses(pair, map, &[])
     }
 
@@ -55,7 +55,7 @@ impl Transfer for Chain {
 
     fn bind_to_poses(
         &self,
-        pair: Pair<'_>,
+        pair: TransferPair<'_>,
         map: &TriangleMap,
         poses: &[Vec<Point3<f64>>],
     ) -> Result<Box<dyn BoundTransfer>> {
@@ -63,7 +63,7 @@ impl Transfer for Chain {
         let mut figures = Figures::default();
         let mut links = vec![link(0, first.as_ref(), pair, map, poses, &mut figures)?];
         let markers = on_itself(pair.markers);
-        let itself = Pair { source: pair.target, markers: &markers, ..pair };
+        let itself = TransferPair { source: pair.target, markers: &markers, ..pair };
         let identity = identity(pair.target);
         let mut seen = poses.to_vec();
         for (k, transfer) in others.iter().enumerate() {
@@ -78,11 +78,11 @@ impl Transfer for Chain {
         Ok(Box::new(Bound { links, figures }))
     }
 
-    fn check(&self, pair: Pair<'_>) -> Result<()> {
+    fn check(&self, pair: TransferPair<'_>) -> Result<()> {
         let (first, others) = self.split()?;
         first.check(pair).map_err(|error| at(0, error))?;
         let markers = on_itself(pair.markers);
-        let itself = Pair { source: pair.target, markers: &markers, ..pair };
+        let itself = TransferPair { source: pair.target, markers: &markers, ..pair };
         others.iter().enumerate().try_for_each(|(k, next)| next.check(itself).map_err(|error| at(k + 1, error)))
     }
 }
@@ -105,7 +105,7 @@ impl Chain {
 fn link(
     k: usize,
     transfer: &dyn Transfer,
-    pair: Pair<'_>,
+    pair: TransferPair<'_>,
     map: &TriangleMap,
     poses: &[Vec<Point3<f64>>],
     figures: &mut Figures,

@@ -6,13 +6,13 @@ use mimesh_core::{
     operators::DeformationGradients,
     register,
     spatial::{Orientation, Similarity},
-    stage::{BoundTransfer, Pair, Transfer, Transferred, TriangleMap},
+    stage::{BoundTransfer, Transfer, TransferPair, Transferred, TriangleMap},
 };
 use nalgebra::Point3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::{alignment::Alignment, gradient::figures, loose::Loose};
+use crate::{alignment::Alignment, gradient::figures, unreferenced::Unreferenced};
 
 register!(Transfer: CopyDisplacement);
 
@@ -29,7 +29,7 @@ pub struct CopyDisplacement {
 
 #[typetag::serde(name = "copy_displacement")]
 impl Transfer for CopyDisplacement {
-    fn bind(&self, pair: Pair<'_>, map: &TriangleMap) -> Result<Box<dyn BoundTransfer>> {
+    fn bind(&self, pair: TransferPair<'_>, map: &TriangleMap) -> Result<Box<dyn BoundTransfer>> {
         let points = map.source_points(pair)?;
         let target_from_source = Alignment::new(pair, map, self.orientation).target_from_source;
         Ok(Box::new(Bound {
@@ -37,7 +37,7 @@ impl Transfer for CopyDisplacement {
             rest: pair.target.positions.clone(),
             points,
             gradients: DeformationGradients::new(&pair.target.positions, &pair.target.triangles),
-            loose: Loose::new(pair.target),
+            loose: Unreferenced::new(pair.target),
             target_from_source,
         }))
     }
@@ -49,7 +49,7 @@ struct Bound {
     rest: Vec<Point3<f64>>,
     points: Vec<SurfacePoint>,
     gradients: DeformationGradients,
-    loose: Loose,
+    loose: Unreferenced,
     target_from_source: Similarity,
 }
 

@@ -7,7 +7,7 @@ use mimesh_core::{
     linalg::{Assembly, FixedUnknowns},
     mesh::{Surface, SurfacePoint},
     operators::{DeformationGradients, relative_height},
-    stage::{Pair, TriangleMap},
+    stage::{TransferPair, TriangleMap},
 };
 use nalgebra::{Matrix3, Point3};
 use petgraph::unionfind::UnionFind;
@@ -52,7 +52,7 @@ impl Field {
     /// Prepares for poses of the source; `use_points` says whether source points are used at all, and `bridges` are pairs of
     /// triangles that count as neighbours when orphans continue theirs.
     pub fn new(
-        pair: Pair<'_>,
+        pair: TransferPair<'_>,
         map: &TriangleMap,
         rotation: Matrix3<f64>,
         use_points: bool,

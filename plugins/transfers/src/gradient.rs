@@ -21,13 +21,16 @@ use mimesh_core::{
     mesh::check_finite,
     register,
     spatial::{Orientation, Similarity},
-    stage::{BoundTransfer, Pair, Transfer, Transferred, TriangleMap},
+    stage::{BoundTransfer, Transfer, TransferPair, Transferred, TriangleMap},
 };
 use nalgebra::Point3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::{Placement, alignment::Alignment, field::Field, loose::Loose, placement::BoundPlacement, poisson::Poisson};
+use crate::{
+    Placement, alignment::Alignment, field::Field, placement::BoundPlacement, poisson::Poisson,
+    unreferenced::Unreferenced,
+};
 
 register!(Transfer: GradientTransfer);
 
@@ -91,7 +94,7 @@ pub enum Weighting {
 
 #[typetag::serde(name = "gradient")]
 impl Transfer for GradientTransfer {
-    fn bind(&self, pair: Pair<'_>, map: &TriangleMap) -> Result<Box<dyn BoundTransfer>> {
+    fn bind(&self, pair: TransferPair<'_>, map: &TriangleMap) -> Result<Box<dyn BoundTransfer>> {
         self.check(pair)?;
         map.check(pair)?;
         let alignment = Alignment::new(pair, map, self.orientation);
@@ -107,19 +110,19 @@ impl Transfer for GradientTransfer {
             field,
             poisson,
             placement,
-            loose: Loose::new(pair.target),
+            loose: Unreferenced::new(pair.target),
             figures: figures(&similarity),
         }))
     }
 
-    fn check(&self, pair: Pair<'_>) -> Result<()> {
+    fn check(&self, pair: TransferPair<'_>) -> Result<()> {
         Error::check_setting("reweightings", self.reweightings as f64, 0.0, 100.0)?;
         Error::check_setting("tolerance", self.tolerance, 1e-6, f64::INFINITY)?;
         check_connected(pair)
     }
 }
 
-fn check_connected(pair: Pair<'_>) -> Result<()> {
+fn check_connected(pair: TransferPair<'_>) -> Result<()> {
     let components = pair.target.components();
     if components.count() <= 1 {
         return Ok(());
@@ -156,7 +159,7 @@ struct Bound {
     field: Field,
     poisson: Poisson,
     placement: BoundPlacement,
-    loose: Loose,
+    loose: Unreferenced,
     figures: Figures,
 }
 

@@ -8,9 +8,9 @@ pub mod copy_displacement;
 mod field;
 mod frames;
 pub mod gradient;
-mod loose;
 pub mod multi_component;
 mod placement;
 mod poisson;
+mod unreferenced;
 
 pub use placement::Placement;

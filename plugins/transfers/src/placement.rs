@@ -1,6 +1,6 @@
 use mimesh_core::{
     Error, Result,
-    stage::{Pair, TriangleMap},
+    stage::{TransferPair, TriangleMap},
 };
 use nalgebra::{Point3, Vector3};
 use schemars::JsonSchema;
@@ -29,7 +29,7 @@ impl Placement {
     /// # Errors
     ///
     /// [`Error::Data`] if there are no markers to follow, or [`Error::Setting`] if an anchor does not exist.
-    pub fn bind(&self, pair: Pair<'_>, map: &TriangleMap, alignment: Alignment) -> Result<BoundPlacement> {
+    pub fn bind(&self, pair: TransferPair<'_>, map: &TriangleMap, alignment: Alignment) -> Result<BoundPlacement> {
         map.check(pair)?;
         let (source, target) = (pair.source, pair.target);
         let (source_points, target_points): (Weighted, Weighted) = match self {

@@ -3,7 +3,9 @@
 use mimesh_core::{
     Figures,
     mesh::{Surface, SurfacePoint},
-    stage::{BoundTransfer, ComponentRef, Link, Marker, Pair, ProximityGraph, Transfer, Transferred, TriangleMap},
+    stage::{
+        BoundTransfer, ComponentRef, Link, Marker, ProximityGraph, Transfer, TransferPair, Transferred, TriangleMap,
+    },
     testkit::{meshes, random::Random},
 };
 use mimesh_transfers::{
@@ -55,7 +57,7 @@ fn run(stage: &dyn Transfer, surface: &Surface, map: &TriangleMap, posed: &[Poin
     let markers: Vec<_> = [0, 20, 50, 90, 120]
         .map(|v| Marker { name: v.to_string(), source: SurfacePoint::Vertex(v), target: SurfacePoint::Vertex(v) })
         .into();
-    let pair = Pair { source: surface, target: surface, markers: &markers, proximity: Some(&graph) };
+    let pair = TransferPair { source: surface, target: surface, markers: &markers, proximity: Some(&graph) };
     stage.bind(pair, map).unwrap().transfer(posed).unwrap().positions
 }
 
@@ -83,7 +85,7 @@ struct Mover;
 
 #[typetag::serde(name = "test_mover")]
 impl Transfer for Mover {
-    fn bind(&self, _: Pair<'_>, _: &TriangleMap) -> mimesh_core::Result<Box<dyn BoundTransfer>> {
+    fn bind(&self, _: TransferPair<'_>, _: &TriangleMap) -> mimesh_core::Result<Box<dyn BoundTransfer>> {
         Ok(Box::new(Self))
     }
 }
@@ -180,7 +182,7 @@ fn parts_that_overlap_or_leave_something_out_are_named() {
     let surface = row();
     let part = |components: Vec<ComponentRef>| Part { transfer: Box::new(GradientTransfer::default()), components };
     let refused = |parts: Vec<Part>| {
-        let pair = Pair { source: &surface, target: &surface, markers: &[], proximity: None };
+        let pair = TransferPair { source: &surface, target: &surface, markers: &[], proximity: None };
         Blend { parts, border: 0.0 }.check(pair).unwrap_err().to_string()
     };
     let number = |k: u32| vec![ComponentRef::Number(k)];
@@ -190,7 +192,7 @@ fn parts_that_overlap_or_leave_something_out_are_named() {
     assert!(refused(vec![part(number(7)), part(vec![])]).contains("parts[0]: the target has no component number 7"));
     assert!(
         Chain { transfers: vec![] }
-            .check(Pair { source: &surface, target: &surface, markers: &[], proximity: None })
+            .check(TransferPair { source: &surface, target: &surface, markers: &[], proximity: None })
             .unwrap_err()
             .to_string()
             .contains("one transfer or more")

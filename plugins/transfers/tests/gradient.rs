@@ -4,7 +4,7 @@ use mimesh_core::{
     Error,
     mesh::{Mesh, Surface, SurfacePoint},
     spatial::{Orientation, Similarity},
-    stage::{Marker, Pair, Transfer, Transferred, TriangleMap},
+    stage::{Marker, Transfer, TransferPair, Transferred, TriangleMap},
     testkit::{meshes, random::Random},
 };
 use mimesh_transfers::{
@@ -38,7 +38,7 @@ fn run(
     map: &TriangleMap,
     posed: &[Point3<f64>],
 ) -> Transferred {
-    stage.bind(Pair { source, target, markers: &[], proximity: None }, map).unwrap().transfer(posed).unwrap()
+    stage.bind(TransferPair { source, target, markers: &[], proximity: None }, map).unwrap().transfer(posed).unwrap()
 }
 
 fn largest_distance(a: &[Point3<f64>], b: &[Point3<f64>]) -> f64 {
@@ -183,7 +183,7 @@ fn placements_put_what_they_name_where_they_say() {
     let markers = [Marker { name: "end".into(), source: SurfacePoint::Vertex(0), target: SurfacePoint::Vertex(0) }];
     let with = |placement| {
         let stage = GradientTransfer { placement, ..GradientTransfer::default() };
-        let pair = Pair { source: &bar, target: &bar, markers: &markers, proximity: None };
+        let pair = TransferPair { source: &bar, target: &bar, markers: &markers, proximity: None };
         stage.bind(pair, &identity_map(&bar)).unwrap().transfer(&pose).unwrap().positions
     };
     assert!(largest_distance(&with(Placement::Motion), &pose) < 1e-9);
@@ -203,7 +203,7 @@ fn a_target_of_several_components_is_refused_with_the_loose_ones_named() {
         ..Default::default()
     }];
     let surface = Surface::new(&mesh).unwrap();
-    let pair = Pair { source: &surface, target: &surface, markers: &[], proximity: None };
+    let pair = TransferPair { source: &surface, target: &surface, markers: &[], proximity: None };
     let error = GradientTransfer::default().bind(pair, &identity_map(&surface)).unwrap_err();
     assert!(error.to_string().starts_with("the target has 2 components"), "{error}");
     assert!(error.to_string().contains("left shoe"), "{error}");
@@ -214,7 +214,7 @@ fn a_target_of_several_components_is_refused_with_the_loose_ones_named() {
 #[test]
 fn a_map_for_other_meshes_is_refused() {
     let (bar, sphere) = (bar(), meshes::icosphere(1));
-    let pair = Pair { source: &bar, target: &sphere, markers: &[], proximity: None };
+    let pair = TransferPair { source: &bar, target: &sphere, markers: &[], proximity: None };
     let error = GradientTransfer::default().bind(pair, &identity_map(&bar)).unwrap_err();
     assert!(matches!(error, Error::Shape { .. }), "{error}");
 }

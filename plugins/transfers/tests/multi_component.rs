@@ -2,7 +2,7 @@
 
 use mimesh_core::{
     mesh::Surface,
-    stage::{ComponentRef, Link, Pair, ProximityGraph, Transfer, Transferred, TriangleMap},
+    stage::{ComponentRef, Link, ProximityGraph, Transfer, TransferPair, Transferred, TriangleMap},
     testkit::{meshes, random::Random},
 };
 use mimesh_transfers::{
@@ -66,7 +66,7 @@ fn without(surface: &Surface, component: u32) -> TriangleMap {
 
 fn run(stage: &MultiComponent, surface: &Surface, map: &TriangleMap, posed: &[Point3<f64>]) -> Transferred {
     let graph = linked(surface);
-    let pair = Pair { source: surface, target: surface, markers: &[], proximity: Some(&graph) };
+    let pair = TransferPair { source: surface, target: surface, markers: &[], proximity: Some(&graph) };
     stage.bind(pair, map).unwrap().transfer(posed).unwrap()
 }
 
@@ -153,7 +153,7 @@ fn orphan_components_are_counted_and_named() {
     let components = surface.components();
     surface.part_of = surface.triangles.iter().map(|t| components.of_vertex[t[0] as usize].unwrap_or(0)).collect();
     let graph = linked(&surface);
-    let pair = Pair { source: &surface, target: &surface, markers: &[], proximity: Some(&graph) };
+    let pair = TransferPair { source: &surface, target: &surface, markers: &[], proximity: Some(&graph) };
     let figures = MultiComponent::default().bind(pair, &without(&surface, 1)).unwrap().figures();
     assert_eq!(figures.number("orphan_components"), Some(1.0));
     let triangles = surface.triangle_count() as f64 / 3.0;
@@ -176,7 +176,7 @@ fn the_energy_never_rises_over_fifty_random_runs() {
         let gaps = [Gaps::Follow, Gaps::Turn, Gaps::Length][random.index(3)];
         let energy = |max_steps| {
             let stage = MultiComponent { gaps, max_steps, tolerance: 0.0, ..MultiComponent::default() };
-            let pair = Pair { source: &surface, target: &surface, markers: &[], proximity: Some(&graph) };
+            let pair = TransferPair { source: &surface, target: &surface, markers: &[], proximity: Some(&graph) };
             stage.bind(pair, &map).unwrap().transfer(&pose).unwrap().figures.number("energy").unwrap()
         };
         let energies: Vec<_> = (1..8).map(energy).collect();
@@ -206,7 +206,7 @@ fn a_connected_target_moves_as_least_squares_gradient_does() {
     target.positions.iter_mut().for_each(|p| *p = Point3::new(1.2 * p.x, 0.9 * p.y, p.z));
     let pose = bent(&surface.positions, 0.4);
     let map = identity_map(&surface);
-    let pair = Pair { source: &surface, target: &target, markers: &[], proximity: None };
+    let pair = TransferPair { source: &surface, target: &target, markers: &[], proximity: None };
     let several = MultiComponent::default().bind(pair, &map).unwrap().transfer(&pose).unwrap();
     let squares = GradientTransfer { reweightings: 0, ..GradientTransfer::default() };
     let one = squares.bind(pair, &map).unwrap().transfer(&pose).unwrap();
@@ -217,7 +217,7 @@ fn a_connected_target_moves_as_least_squares_gradient_does() {
 #[test]
 fn without_a_graph_several_components_are_refused_with_a_way_out() {
     let surface = row(2);
-    let pair = Pair { source: &surface, target: &surface, markers: &[], proximity: None };
+    let pair = TransferPair { source: &surface, target: &surface, markers: &[], proximity: None };
     let error = MultiComponent::default().bind(pair, &identity_map(&surface)).unwrap_err();
     assert_eq!(error.to_string(), "the target has 2 components and nothing says how they lie to each other");
     assert!(error.hint().is_some_and(|hint| hint.contains("spanning_tree")));
@@ -239,7 +239,7 @@ fn frames(
     poses: &[Vec<Point3<f64>>],
 ) -> Vec<Transferred> {
     let graph = linked(surface);
-    let pair = Pair { source: surface, target: surface, markers: &[], proximity: Some(&graph) };
+    let pair = TransferPair { source: surface, target: surface, markers: &[], proximity: Some(&graph) };
     let bound = stage.bind(pair, map).unwrap();
     let mut motion = bound.motion().expect("frames of one motion");
     poses.iter().enumerate().map(|(k, pose)| motion.frame(k, pose).unwrap()).collect()
@@ -259,7 +259,7 @@ fn frames_that_start_from_the_one_before_end_lower_after_as_many_steps() {
     }
     let alone = MultiComponent::default();
     let graph = linked(&surface);
-    let pair = Pair { source: &surface, target: &surface, markers: &[], proximity: Some(&graph) };
+    let pair = TransferPair { source: &surface, target: &surface, markers: &[], proximity: Some(&graph) };
     assert!(alone.bind(pair, &map).unwrap().motion().is_none(), "poses stand alone unless asked otherwise");
 }
 
@@ -295,7 +295,7 @@ fn plants_stand_still_in_their_frames_and_the_target_walks_on_after_them() {
 fn plants_that_hold_nothing_are_refused_in_the_users_words() {
     let surface = row(2);
     let graph = linked(&surface);
-    let pair = Pair { source: &surface, target: &surface, markers: &[], proximity: Some(&graph) };
+    let pair = TransferPair { source: &surface, target: &surface, markers: &[], proximity: Some(&graph) };
     let refused = |plant: Plant| {
         let stage = MultiComponent { plants: vec![plant], ..MultiComponent::default() };
         stage.check(pair).unwrap_err().to_string()

@@ -193,12 +193,12 @@ fn of_truth(prepared: &Prepared, i: usize) -> Option<blake3::Hash> {
 fn of_side(side: &Side) -> String {
     let mut hasher = blake3::Hasher::new();
     let MeshSequence { rest, .. } = &side.sequence;
-    let Surface { positions, triangles, polygon_of, vertex_of, first_copy, part_names, part_of, other_names } =
+    let Surface { positions, triangles, polygon_of, vertex_of, representative, part_names, part_of, other_names } =
         &side.surface;
     hasher.update(&(rest.positions.len() as u64).to_le_bytes());
     hasher.update(&(positions.len() as u64).to_le_bytes());
     rest.positions.iter().chain(positions).for_each(|p| update(&mut hasher, p.coords.as_slice()));
-    for numbers in [polygon_of, vertex_of, first_copy, part_of] {
+    for numbers in [polygon_of, vertex_of, representative, part_of] {
         hasher.update(&(numbers.len() as u64).to_le_bytes());
         numbers.iter().for_each(|n| _ = hasher.update(&n.to_le_bytes()));
     }

@@ -7,7 +7,7 @@ use super::{Check, Side, Truth};
 use crate::{
     core::{
         plugin,
-        stage::{Marker, Metric, Pair, Subject},
+        stage::{Marker, Metric, MetricContext, TransferPair},
     },
     diagnostic::Diagnostic,
     diagnostic::Kind,
@@ -54,7 +54,8 @@ impl Check<'_> {
             Some(Ok(graph)) => Some(graph),
             None => None,
         };
-        let pair = Pair { source: &source.surface, target: &target.surface, markers, proximity: graph.as_ref() };
+        let pair =
+            TransferPair { source: &source.surface, target: &target.surface, markers, proximity: graph.as_ref() };
         if let Some(correspondence) = &pipeline.correspondence
             && let Err(error) = correspondence.check(pair)
         {
@@ -149,8 +150,9 @@ impl Check<'_> {
         target: &Side,
         markers: &[Marker],
     ) {
-        let pair = Pair { source: &source.surface, target: &target.surface, markers, proximity: None };
-        let subject = Subject { rest: &target.sequence.rest, surface: &target.surface, pair: Some(pair), map: None };
+        let pair = TransferPair { source: &source.surface, target: &target.surface, markers, proximity: None };
+        let subject =
+            MetricContext { rest: &target.sequence.rest, surface: &target.surface, pair: Some(pair), map: None };
         let named = self.document.value.get("metrics").and_then(|list| list.as_array()).cloned().unwrap_or_default();
         for metric in metrics {
             let is_it = |settings: &serde_json::Value| settings["type"] == metric.typetag_name();

@@ -9,7 +9,7 @@ use mimesh_core::{
     mesh::SurfacePoint,
     register,
     spatial::{ClosestPoint, Orientation, Similarity},
-    stage::{Correspondence, Pair, TriangleMap},
+    stage::{Correspondence, TransferPair, TriangleMap},
 };
 use nalgebra::Point3;
 use rayon::prelude::*;
@@ -37,7 +37,7 @@ impl Default for MyStage {
 
 #[typetag::serde(name = "my_stage")]
 impl Correspondence for MyStage {
-    fn correspond(&self, pair: Pair<'_>) -> Result<TriangleMap> {
+    fn correspond(&self, pair: TransferPair<'_>) -> Result<TriangleMap> {
         Error::check_setting("max_distance", self.max_distance, 0.0, f64::INFINITY)?;
         pair.check_markers()?;
         let (source, target) = (pair.source, pair.target);
@@ -62,7 +62,7 @@ impl Correspondence for MyStage {
 
 impl MyStage {
     /// What brings the source to the place of the target.
-    fn similarity(&self, pair: Pair<'_>) -> Similarity {
+    fn similarity(&self, pair: TransferPair<'_>) -> Similarity {
         let on_source = pair.markers.iter().map(|m| m.source.position(pair.source, &pair.source.positions));
         let on_target = pair.markers.iter().map(|m| m.target.position(pair.target, &pair.target.positions));
         let (from, to): (Vec<_>, Vec<_>) = on_source.zip(on_target).unzip();
@@ -87,7 +87,7 @@ mod tests {
         target.positions.iter_mut().for_each(|p| *p = Point3::new(3.0 * p.x + 5.0, 3.0 * p.y, 3.0 * p.z));
         let at = |v: u32| SurfacePoint::Vertex(v);
         let markers: Vec<_> = (0..12).map(|v| Marker { name: v.to_string(), source: at(v), target: at(v) }).collect();
-        let pair = Pair { source: &source, target: &target, markers: &markers, proximity: None };
+        let pair = TransferPair { source: &source, target: &target, markers: &markers, proximity: None };
         let map = MyStage::default().correspond(pair).unwrap();
         assert!((0..).zip(&map.partners).all(|(t, partner)| *partner == Some(t)));
     }

@@ -5,7 +5,7 @@
 
 use mimesh_core::{
     Error, Figures, Result, register,
-    stage::{BoundMetric, Judged, Measured, Metric, Subject},
+    stage::{BoundMetric, MetricInput, Measured, Metric, MetricContext},
 };
 use nalgebra::Point3;
 use schemars::JsonSchema;
@@ -24,7 +24,7 @@ pub struct MyStage {
 
 #[typetag::serde(name = "my_stage")]
 impl Metric for MyStage {
-    fn bind<'a>(&self, subject: Subject<'a>) -> Result<Box<dyn BoundMetric + 'a>> {
+    fn bind<'a>(&self, subject: MetricContext<'a>) -> Result<Box<dyn BoundMetric + 'a>> {
         Error::check_setting("tolerance", self.tolerance, 0.0, 100.0)?;
         Ok(Box::new(Bound { subject, tolerance: self.tolerance }))
     }
@@ -39,12 +39,12 @@ impl Metric for MyStage {
 }
 
 struct Bound<'a> {
-    subject: Subject<'a>,
+    subject: MetricContext<'a>,
     tolerance: f64,
 }
 
 impl BoundMetric for Bound<'_> {
-    fn measure(&self, pose: Judged<'_>) -> Result<Measured> {
+    fn measure(&self, pose: MetricInput<'_>) -> Result<Measured> {
         self.subject.check(&pose)?;
         let Some(truth) = pose.truth else { return Ok(Measured::default()) };
         let mut figures = Figures::default();
@@ -88,8 +88,8 @@ mod tests {
         let rest = Mesh::from_triangles(surface.positions.clone(), &surface.triangles);
         let twice: Vec<_> = rest.positions.iter().map(|p| p * 2.0).collect();
         let measure = |result: &[Point3<f64>]| {
-            let bound = MyStage::default().bind(Subject::alone(&rest, &surface)).unwrap();
-            bound.measure(Judged::against(result, &rest.positions)).unwrap().figures.number("mean").unwrap()
+            let bound = MyStage::default().bind(MetricContext::alone(&rest, &surface)).unwrap();
+            bound.measure(MetricInput::against(result, &rest.positions)).unwrap().figures.number("mean").unwrap()
         };
         assert_eq!(measure(&rest.positions), 0.0);
         // A logarithm and a mean round a little.

@@ -10,7 +10,7 @@ use mimesh_core::{
     operators::voronoi_mass,
     register,
     spatial::{Orientation, Similarity},
-    stage::{BoundTransfer, Pair, Transfer, Transferred, TriangleMap},
+    stage::{BoundTransfer, TransferPair, Transfer, Transferred, TriangleMap},
 };
 use nalgebra::{Point3, Vector3};
 use schemars::JsonSchema;
@@ -36,7 +36,7 @@ impl Default for MyStage {
 #[typetag::serde(name = "my_stage")]
 impl Transfer for MyStage {
     // What depends on the rest meshes alone is done here, once.
-    fn bind(&self, pair: Pair<'_>, map: &TriangleMap) -> Result<Box<dyn BoundTransfer>> {
+    fn bind(&self, pair: TransferPair<'_>, map: &TriangleMap) -> Result<Box<dyn BoundTransfer>> {
         Error::check_setting("strength", self.strength, 0.0, 10.0)?;
         let points = map.source_points(pair)?;
         let places: Vec<_> = points.iter().map(|p| p.position(pair.source, &pair.source.positions)).collect();
@@ -106,7 +106,7 @@ mod tests {
         let surface = meshes::icosphere(1);
         let partners = (0..surface.triangle_count() as u32).map(Some).collect();
         let map = TriangleMap { source_triangles: surface.triangle_count(), partners, ..TriangleMap::default() };
-        let pair = Pair { source: &surface, target: &surface, markers: &[], proximity: None };
+        let pair = TransferPair { source: &surface, target: &surface, markers: &[], proximity: None };
         let bound = MyStage { strength: 0.0 }.bind(pair, &map).unwrap();
         let stretched: Vec<_> = surface.positions.iter().map(|p| Point3::new(2.0 * p.x, p.y, p.z)).collect();
         let posed = bound.transfer(&stretched).unwrap().positions;

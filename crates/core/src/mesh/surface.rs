@@ -17,7 +17,7 @@ pub struct Surface {
     /// The vertex of the surface for each vertex of the mesh.
     pub vertex_of: Vec<u32>,
     /// The first vertex of the mesh for each vertex of the surface, #V.
-    pub first_copy: Vec<u32>,
+    pub representative: Vec<u32>,
     /// Names of the mesh's parts: object, group or material, whichever comes first.
     pub part_names: Vec<String>,
     /// For each triangle its entry in `part_names`, #F; empty if no part has a name.
@@ -52,21 +52,21 @@ impl Surface {
         }
         let first_of = weld::seams(&mesh.positions, &triangles);
         let mut number = vec![0; first_of.len()];
-        let mut first_copy = Vec::new();
+        let mut representative = Vec::new();
         for (vertex, &first) in first_of.iter().enumerate() {
             if first as usize == vertex {
-                number[vertex] = first_copy.len() as u32;
-                first_copy.push(first);
+                number[vertex] = representative.len() as u32;
+                representative.push(first);
             }
         }
         let vertex_of: Vec<u32> = first_of.iter().map(|&first| number[first as usize]).collect();
         for corner in triangles.iter_mut().flatten() {
             *corner = vertex_of[*corner as usize];
         }
-        let positions = first_copy.iter().map(|&v| mesh.positions[v as usize]).collect();
+        let positions = representative.iter().map(|&v| mesh.positions[v as usize]).collect();
         let (part_names, part_of) = parts(mesh, &polygon_of);
         let other_names = other_names(mesh, &polygon_of);
-        Ok(Self { positions, triangles, polygon_of, vertex_of, first_copy, part_names, part_of, other_names })
+        Ok(Self { positions, triangles, polygon_of, vertex_of, representative, part_names, part_of, other_names })
     }
 
     /// A surface of triangles that are used as they stand.
@@ -83,7 +83,7 @@ impl Surface {
             triangles,
             polygon_of,
             vertex_of: all.clone(),
-            first_copy: all,
+            representative: all,
             part_names: vec![],
             part_of: vec![],
             other_names: vec![],
@@ -128,7 +128,7 @@ impl Surface {
                     .part_of
                     .get(triangle)
                     .map_or_else(String::new, |&p| format!("{} ", self.part_names[p as usize]));
-                format!("{name}({} vertices, from vertex {})", components.sizes[c], self.first_copy[first])
+                format!("{name}({} vertices, from vertex {})", components.sizes[c], self.representative[first])
             })
             .collect();
         if which.len() > words.len() {
@@ -180,7 +180,7 @@ impl Surface {
     /// [`Error::Shape`] if `positions` does not have as many entries as the mesh has vertices.
     pub fn from_mesh(&self, positions: &[Point3<f64>]) -> Result<Vec<Point3<f64>>> {
         Error::check_shape("vertices", self.vertex_of.len(), positions.len())?;
-        Ok(self.first_copy.iter().map(|&v| positions[v as usize]).collect())
+        Ok(self.representative.iter().map(|&v| positions[v as usize]).collect())
     }
 
     /// How many vertices of the mesh lie elsewhere than the first copy they are welded to, by more than 1e-6 of the diagonal,
@@ -189,11 +189,11 @@ impl Surface {
     /// # Errors
     ///
     /// [`Error::Shape`] if `positions` does not have as many entries as the mesh has vertices.
-    pub fn parted_copies(&self, positions: &[Point3<f64>]) -> Result<usize> {
+    pub fn opened_seams(&self, positions: &[Point3<f64>]) -> Result<usize> {
         Error::check_shape("vertices", self.vertex_of.len(), positions.len())?;
         let limit = 1e-6 * self.diagonal();
         let parted =
-            |(p, &v): (&Point3<f64>, &u32)| (p - positions[self.first_copy[v as usize] as usize]).norm() > limit;
+            |(p, &v): (&Point3<f64>, &u32)| (p - positions[self.representative[v as usize] as usize]).norm() > limit;
         Ok(positions.iter().zip(&self.vertex_of).filter(|&pair| parted(pair)).count())
     }
 
@@ -276,9 +276,9 @@ mod tests {
         let back = surface.to_mesh(&moved).unwrap();
         assert_eq!(back, mesh.positions.iter().map(|p| p + Vector3::z()).collect::<Vec<_>>());
         assert_eq!(surface.from_mesh(&back).unwrap(), moved);
-        assert_eq!(surface.parted_copies(&back).unwrap(), 0);
+        assert_eq!(surface.opened_seams(&back).unwrap(), 0);
         let mut opened = back;
         opened[4].z += 0.1;
-        assert_eq!(surface.parted_copies(&opened).unwrap(), 1);
+        assert_eq!(surface.opened_seams(&opened).unwrap(), 1);
     }
 }

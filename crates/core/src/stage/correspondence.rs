@@ -1,6 +1,6 @@
 use std::{fmt::Debug, path::PathBuf};
 
-use super::{Pair, TriangleMap};
+use super::{TransferPair, TriangleMap};
 use crate::Result;
 
 /// Finds for each target triangle the source triangle that it moves like.
@@ -18,7 +18,7 @@ pub trait Correspondence: Debug + Send + Sync {
     /// # Errors
     ///
     /// If the markers or the surfaces do not do for this method.
-    fn correspond(&self, pair: Pair<'_>) -> Result<TriangleMap>;
+    fn correspond(&self, pair: TransferPair<'_>) -> Result<TriangleMap>;
 
     /// Looks for what [`correspond`](Self::correspond) would refuse, as far as that takes little time, so that a pipeline can be
     /// checked without computing.
@@ -26,7 +26,7 @@ pub trait Correspondence: Debug + Send + Sync {
     /// # Errors
     ///
     /// As [`correspond`](Self::correspond).
-    fn check(&self, _pair: Pair<'_>) -> Result<()> {
+    fn check(&self, _pair: TransferPair<'_>) -> Result<()> {
         Ok(())
     }
 

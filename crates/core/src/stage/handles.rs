@@ -52,7 +52,7 @@ impl HandlePoints {
             ))
         };
         let vertices = points.iter().enumerate().map(vertex).collect::<Result<Vec<_>>>()?;
-        let of_mesh = vertices.iter().map(|&v| surface.first_copy[v as usize]).collect();
+        let of_mesh = vertices.iter().map(|&v| surface.representative[v as usize]).collect();
         Ok(Self { vertices, of_mesh })
     }
 

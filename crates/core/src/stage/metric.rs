@@ -2,7 +2,7 @@ use std::fmt::Debug;
 
 use nalgebra::Point3;
 
-use super::{Pair, TriangleMap};
+use super::{TransferPair, TriangleMap};
 use crate::{
     Error, Figures, Result,
     mesh::{Mesh, Surface},
@@ -25,7 +25,7 @@ pub trait Metric: Debug + Send + Sync {
     /// # Errors
     ///
     /// [`Error::Setting`] for settings out of range, [`Error::Data`] for rest meshes that cannot be judged.
-    fn bind<'a>(&self, subject: Subject<'a>) -> Result<Box<dyn BoundMetric + 'a>>;
+    fn bind<'a>(&self, subject: MetricContext<'a>) -> Result<Box<dyn BoundMetric + 'a>>;
 
     /// Names of its figures that are numbers, the one that says most first; for checks before anything is measured.
     ///
@@ -53,13 +53,13 @@ crate::stage_kind!(Metric, "metric");
 
 /// What a [`Metric`] is bound to.
 #[derive(Clone, Copy, Debug)]
-pub struct Subject<'a> {
+pub struct MetricContext<'a> {
     /// The target at rest.
     pub rest: &'a Mesh,
     /// Its surface.
     pub surface: &'a Surface,
     /// What the target's motion comes from; `None` if only results are known.
-    pub pair: Option<Pair<'a>>,
+    pub pair: Option<TransferPair<'a>>,
     /// Where on the source each part of the target took its motion from, where the method has such a map.
     pub map: Option<&'a TriangleMap>,
 }
@@ -71,12 +71,12 @@ pub trait BoundMetric: Send + Sync {
     /// # Errors
     ///
     /// [`Error::Shape`] if vertex counts differ, [`Error::Data`] for what cannot be measured.
-    fn measure(&self, pose: Judged<'_>) -> Result<Measured>;
+    fn measure(&self, pose: MetricInput<'_>) -> Result<Measured>;
 }
 
 /// One pose to judge.
 #[derive(Clone, Copy, Debug)]
-pub struct Judged<'a> {
+pub struct MetricInput<'a> {
     /// The result, for the vertices of the target's mesh.
     pub result: &'a [Point3<f64>],
     /// The known result, for the vertices of the target's mesh.
@@ -123,7 +123,7 @@ pub struct Limit {
     pub bad: f64,
 }
 
-impl<'a> Subject<'a> {
+impl<'a> MetricContext<'a> {
     /// A target of which nothing but results is known.
     pub fn alone(rest: &'a Mesh, surface: &'a Surface) -> Self {
         Self { rest, surface, pair: None, map: None }
@@ -134,7 +134,7 @@ impl<'a> Subject<'a> {
     /// # Errors
     ///
     /// [`Error::Shape`] that names what differs.
-    pub fn check(&self, pose: &Judged<'_>) -> Result<()> {
+    pub fn check(&self, pose: &MetricInput<'_>) -> Result<()> {
         let count = self.rest.positions.len();
         Error::check_shape("vertices of the result (#V)", count, pose.result.len())?;
         if let Some(truth) = pose.truth {
@@ -153,7 +153,7 @@ impl<'a> Subject<'a> {
     }
 }
 
-impl<'a> Judged<'a> {
+impl<'a> MetricInput<'a> {
     /// A result of which nothing else is known.
     pub fn alone(result: &'a [Point3<f64>]) -> Self {
         Self { result, truth: None, source: None, before: [None; 2] }

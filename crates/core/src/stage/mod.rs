@@ -28,8 +28,8 @@ pub use format::{Format, MeshWriter, PoseWriter, SequenceFormat, SequenceWriter,
 pub use generator::Generator;
 pub use handles::{HandlePoints, followers};
 pub use key_points::{ChoiceStep, ChoiceWatch, Chosen, KeyPoints, KeyPointsInput};
-pub use metric::{BoundMetric, Frame, Judged, Limit, Measured, Metric, Subject};
-pub use pair::{Marker, Pair};
+pub use metric::{BoundMetric, Frame, Limit, Measured, Metric, MetricContext, MetricInput};
+pub use pair::{Marker, TransferPair};
 pub use proximity::{Link, Proximity, ProximityGraph};
 pub use sampler::Sampler;
 pub use transfer::{BoundTransfer, Motion, Transfer, Transferred};

@@ -6,7 +6,7 @@ use crate::{
 
 /// The two rest surfaces of a transfer, and the points that the user says correspond.
 #[derive(Clone, Copy, Debug)]
-pub struct Pair<'a> {
+pub struct TransferPair<'a> {
     /// Gives its motion.
     pub source: &'a Surface,
     /// Takes it.
@@ -28,7 +28,7 @@ pub struct Marker {
     pub target: SurfacePoint,
 }
 
-impl Pair<'_> {
+impl TransferPair<'_> {
     /// Checks that markers exist on both surfaces and that no two share a point on either side.
     ///
     /// # Errors

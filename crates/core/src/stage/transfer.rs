@@ -2,7 +2,7 @@ use std::fmt::Debug;
 
 use nalgebra::Point3;
 
-use super::{Pair, TriangleMap};
+use super::{TransferPair, TriangleMap};
 use crate::{Figures, Result};
 
 /// Moves the target as the source moves.
@@ -23,7 +23,7 @@ pub trait Transfer: Debug + Send + Sync {
     /// # Errors
     ///
     /// If `map` does not belong to the surfaces, or the target is of a kind that this method cannot move.
-    fn bind(&self, pair: Pair<'_>, map: &TriangleMap) -> Result<Box<dyn BoundTransfer>>;
+    fn bind(&self, pair: TransferPair<'_>, map: &TriangleMap) -> Result<Box<dyn BoundTransfer>>;
 
     /// Looks for what [`bind`](Self::bind) would refuse, as far as that takes little time, so that a pipeline can be
     /// checked without computing.
@@ -31,7 +31,7 @@ pub trait Transfer: Debug + Send + Sync {
     /// # Errors
     ///
     /// As [`bind`](Self::bind).
-    fn check(&self, _pair: Pair<'_>) -> Result<()> {
+    fn check(&self, _pair: TransferPair<'_>) -> Result<()> {
         Ok(())
     }
 
@@ -52,7 +52,7 @@ pub trait Transfer: Debug + Send + Sync {
     /// As [`bind`](Self::bind), and if a pose has another length.
     fn bind_to_poses(
         &self,
-        pair: Pair<'_>,
+        pair: TransferPair<'_>,
         map: &TriangleMap,
         _poses: &[Vec<Point3<f64>>],
     ) -> Result<Box<dyn BoundTransfer>> {

@@ -1,6 +1,6 @@
 use serde::{Deserialize, Serialize};
 
-use super::Pair;
+use super::TransferPair;
 use crate::{Error, Figures, Result, mesh::SurfacePoint, spatial::Nearest};
 
 /// Where on the source each part of the target takes its motion from.
@@ -21,7 +21,7 @@ pub struct TriangleMap {
 
 impl TriangleMap {
     /// The map that knows nothing: every target triangle an orphan.
-    pub fn unknown(pair: Pair<'_>) -> Self {
+    pub fn unknown(pair: TransferPair<'_>) -> Self {
         Self {
             source_triangles: pair.source.triangle_count(),
             partners: vec![None; pair.target.triangle_count()],
@@ -34,7 +34,7 @@ impl TriangleMap {
     /// # Errors
     ///
     /// [`Error::Shape`], or [`Error::Data`] if a partner does not exist or there is no partner at all.
-    pub fn check(&self, pair: Pair<'_>) -> Result<()> {
+    pub fn check(&self, pair: TransferPair<'_>) -> Result<()> {
         let (source, target) = (pair.source, pair.target);
         Error::check_shape("correspondence: triangles of the source", source.triangle_count(), self.source_triangles)?;
         Error::check_shape("correspondence: triangles of the target", target.triangle_count(), self.partners.len())?;
@@ -72,7 +72,7 @@ impl TriangleMap {
     /// # Errors
     ///
     /// As [`check`](Self::check).
-    pub fn source_points(&self, pair: Pair<'_>) -> Result<Vec<SurfacePoint>> {
+    pub fn source_points(&self, pair: TransferPair<'_>) -> Result<Vec<SurfacePoint>> {
         self.check(pair)?;
         let target = pair.target;
         let mut points = self.points.clone();
@@ -107,7 +107,7 @@ mod tests {
     #[test]
     fn every_target_vertex_gets_a_source_point_where_one_triangle_has_a_partner() {
         let surface = meshes::icosphere(1);
-        let pair = Pair { source: &surface, target: &surface, markers: &[], proximity: None };
+        let pair = TransferPair { source: &surface, target: &surface, markers: &[], proximity: None };
         let mut map = TriangleMap { partners: vec![None; 80], source_triangles: 80, ..TriangleMap::default() };
         assert!(map.source_points(pair).is_err(), "no partner at all");
         map.partners[3] = Some(3);

@@ -14,7 +14,7 @@ use crate::{
     Plugin,
     mesh::{Surface, SurfacePoint, diagonal},
     plugin::StageKind,
-    stage::{BoundTransfer, Correspondence, Generator, Marker, Pair, Proximity, Transfer, TriangleMap},
+    stage::{BoundTransfer, Correspondence, Generator, Marker, Proximity, Transfer, TransferPair, TriangleMap},
 };
 
 /// Rounding through one factorisation and solve of these small meshes, relative to the diagonal.
@@ -53,7 +53,7 @@ pub fn correspondence(name: &str, stage: &dyn Correspondence) {
         .step_by(10)
         .map(|v| Marker { name: v.to_string(), source: SurfacePoint::Vertex(v), target: SurfacePoint::Vertex(v) })
         .collect();
-    let pair = Pair { source: &surface, target: &surface, markers: &markers, proximity: None };
+    let pair = TransferPair { source: &surface, target: &surface, markers: &markers, proximity: None };
     let run = || stage.correspond(pair).unwrap_or_else(|error| panic!("{name}: {error}"));
     let map = run();
     map.check(pair).unwrap_or_else(|error| panic!("{name}: {error}"));
@@ -93,7 +93,7 @@ fn transfer_between(name: &str, stage: &dyn Transfer, source: &Surface, target: 
         .map(|v| Marker { name: v.to_string(), source: SurfacePoint::Vertex(v), target: SurfacePoint::Vertex(v) })
         .collect();
     let bind = |target: &Surface| {
-        let pair = Pair { source, target, markers: &markers, proximity: None };
+        let pair = TransferPair { source, target, markers: &markers, proximity: None };
         stage.bind(pair, &map).unwrap_or_else(|error| panic!("{name}: {error}"))
     };
     let run = |bound: &dyn BoundTransfer, posed: &[Point3<f64>]| {

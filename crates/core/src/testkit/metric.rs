@@ -9,7 +9,7 @@ use super::{
 use crate::{
     Figures,
     mesh::{Mesh, Surface},
-    stage::{Frame, Judged, Metric, Pair, Subject, TriangleMap},
+    stage::{Frame, Metric, MetricContext, MetricInput, TransferPair, TriangleMap},
 };
 
 /// The contract of [`Metric`], on a sound mesh and on one with defects.
@@ -17,8 +17,8 @@ pub fn metric(name: &str, stage: &dyn Metric) {
     for surface in [bent_bar(), with_defects(bent_bar())] {
         let rest = &Mesh::from_triangles(surface.positions.clone(), &surface.triangles);
         let map = itself(&surface);
-        let pair = Pair { source: &surface, target: &surface, markers: &[], proximity: None };
-        let subject = Subject { rest, surface: &surface, pair: Some(pair), map: Some(&map) };
+        let pair = TransferPair { source: &surface, target: &surface, markers: &[], proximity: None };
+        let subject = MetricContext { rest, surface: &surface, pair: Some(pair), map: Some(&map) };
         let bound = stage.bind(subject).unwrap_or_else(|error| panic!("{name}: {error}"));
         let truth = twisted(&surface, 0.5);
         let half = twisted(&surface, 0.25);
@@ -27,7 +27,7 @@ pub fn metric(name: &str, stage: &dyn Metric) {
         let measure = |result: &[Point3<f64>], truth: &[Point3<f64>], source: &[Point3<f64>]| {
             let frame = |at| Some(Frame { result: at, source: Some(at) });
             let before = [frame(half.as_slice()), frame(surface.positions.as_slice())];
-            bound.measure(Judged { result, truth: Some(truth), source: Some(source), before })
+            bound.measure(MetricInput { result, truth: Some(truth), source: Some(source), before })
         };
         for result in [&truth, &noisy, &surface.positions] {
             let run = || measure(result, &truth, &truth).unwrap_or_else(|error| panic!("{name}: {error}"));
@@ -46,8 +46,8 @@ pub fn metric(name: &str, stage: &dyn Metric) {
             assert!(bits(&measured.field) == bits(&again.field), "{name}: another field on one thread");
             assert!(measured.about == again.about, "{name}: about something else on one thread");
         }
-        let alone = stage.bind(Subject::alone(rest, &surface)).unwrap_or_else(|error| panic!("{name}: {error}"));
-        let judged = alone.measure(Judged::alone(&truth)).unwrap_or_else(|error| panic!("{name}: {error}"));
+        let alone = stage.bind(MetricContext::alone(rest, &surface)).unwrap_or_else(|error| panic!("{name}: {error}"));
+        let judged = alone.measure(MetricInput::alone(&truth)).unwrap_or_else(|error| panic!("{name}: {error}"));
         assert!(judged.figures.values.is_empty() || !stage.needs_truth(), "{name}: needs a truth, but has figures");
         is_finite(name, &judged.figures);
 
@@ -79,11 +79,11 @@ fn itself(surface: &Surface) -> TriangleMap {
     TriangleMap { source_triangles: count, partners: (0..count as u32).map(Some).collect(), ..TriangleMap::default() }
 }
 
-fn at_rest_nothing_is_wrong(name: &str, stage: &dyn Metric, subject: Subject<'_>) {
+fn at_rest_nothing_is_wrong(name: &str, stage: &dyn Metric, subject: MetricContext<'_>) {
     let rest = &subject.rest.positions;
     let frame = Some(Frame { result: rest, source: Some(&subject.surface.positions) });
     let source = Some(subject.surface.positions.as_slice());
-    let judged = Judged { result: rest, truth: Some(rest), source, before: [frame; 2] };
+    let judged = MetricInput { result: rest, truth: Some(rest), source, before: [frame; 2] };
     let bound = stage.bind(subject).unwrap_or_else(|error| panic!("{name}: {error}"));
     let measured = bound.measure(judged).unwrap_or_else(|error| panic!("{name}: {error}"));
     for limit in stage.limits() {
@@ -98,8 +98,8 @@ fn a_rigid_motion_changes_nothing(name: &str, stage: &dyn Metric) {
     let surface = bent_bar();
     let rest = &Mesh::from_triangles(surface.positions.clone(), &surface.triangles);
     let map = itself(&surface);
-    let pair = Pair { source: &surface, target: &surface, markers: &[], proximity: None };
-    let subject = Subject { rest, surface: &surface, pair: Some(pair), map: Some(&map) };
+    let pair = TransferPair { source: &surface, target: &surface, markers: &[], proximity: None };
+    let subject = MetricContext { rest, surface: &surface, pair: Some(pair), map: Some(&map) };
     let bound = stage.bind(subject).unwrap_or_else(|error| panic!("{name}: {error}"));
     let truth = twisted(&surface, 0.5);
     let mut random = Random::new(2);
@@ -111,7 +111,7 @@ fn a_rigid_motion_changes_nothing(name: &str, stage: &dyn Metric) {
     let half = twisted(&surface, 0.25);
     let measure = |result: &[Point3<f64>], truth: &[Point3<f64>], before: [&[Point3<f64>]; 2]| {
         let before = before.map(|at| Some(Frame { result: at, source: Some(at) }));
-        let judged = Judged { result, truth: Some(truth), source: Some(truth), before };
+        let judged = MetricInput { result, truth: Some(truth), source: Some(truth), before };
         bound.measure(judged).unwrap_or_else(|error| panic!("{name}: {error}")).figures
     };
     let here = measure(&result, &truth, [&half, &surface.positions]);

@@ -3,7 +3,7 @@ use mimesh_core::{
     linalg::{Assembly, FixedUnknowns},
     mesh::{Surface, SurfacePoint},
     operators::{Tetrahedron, relative_height, voronoi_mass},
-    stage::Pair,
+    stage::TransferPair,
 };
 use nalgebra::{Matrix3, Point3};
 
@@ -51,7 +51,7 @@ impl<'a> Elements<'a> {
     }
 
     /// The energy without closest points, ready to be minimised.
-    pub fn system(&self, settings: &NonrigidFit, pair: Pair<'_>, unit: &UnitFrame) -> Result<System> {
+    pub fn system(&self, settings: &NonrigidFit, pair: TransferPair<'_>, unit: &UnitFrame) -> Result<System> {
         let n = self.unknowns;
         let mut assembly = Assembly::new(n);
         let mut rhs = vec![0.0; 3 * n];

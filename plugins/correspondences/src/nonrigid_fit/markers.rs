@@ -1,11 +1,11 @@
-use mimesh_core::{Error, Result, stage::Pair};
+use mimesh_core::{Error, Result, stage::TransferPair};
 use nalgebra::{Matrix3, Point3, Vector3};
 
 /// How many markers a fit needs: three points that span a plane say how two shapes lie to each other.
 pub const NEEDED: usize = 3;
 
 /// Checks that markers exist, are distinct, span a plane on either side, and that each component of the target has one.
-pub fn check(pair: Pair<'_>) -> Result<()> {
+pub fn check(pair: TransferPair<'_>) -> Result<()> {
     let count = pair.markers.len();
     if count < NEEDED {
         return Err(Error::data(

@@ -34,7 +34,7 @@ use mimesh_core::{
     operators::vertex_normals,
     register,
     spatial::{Orientation, Similarity},
-    stage::{Correspondence, Pair, TriangleMap},
+    stage::{Correspondence, TransferPair, TriangleMap},
 };
 use nalgebra::Point3;
 use schemars::JsonSchema;
@@ -97,7 +97,7 @@ impl Default for NonrigidFit {
 
 #[typetag::serde(name = "nonrigid_fit")]
 impl Correspondence for NonrigidFit {
-    fn correspond(&self, pair: Pair<'_>) -> Result<TriangleMap> {
+    fn correspond(&self, pair: TransferPair<'_>) -> Result<TriangleMap> {
         self.check(pair)?;
         let pair = self.linked(pair);
         let (source, target) = (pair.source, pair.target);
@@ -121,7 +121,7 @@ impl Correspondence for NonrigidFit {
         Ok(TriangleMap { source_triangles: source.triangle_count(), partners, points, figures })
     }
 
-    fn check(&self, pair: Pair<'_>) -> Result<()> {
+    fn check(&self, pair: TransferPair<'_>) -> Result<()> {
         self.check_settings()?;
         markers::check(self.linked(pair))
     }
@@ -144,12 +144,17 @@ impl NonrigidFit {
     }
 
     /// The pair without its proximity if that is not to count.
-    fn linked<'a>(&self, pair: Pair<'a>) -> Pair<'a> {
-        if self.proximity > 0.0 { pair } else { Pair { proximity: None, ..pair } }
+    fn linked<'a>(&self, pair: TransferPair<'a>) -> TransferPair<'a> {
+        if self.proximity > 0.0 { pair } else { TransferPair { proximity: None, ..pair } }
     }
 
     /// The deformed target in the unit frame, and the valid source point that each of its vertices has come to lie at.
-    fn fit(&self, pair: Pair<'_>, unit: &UnitFrame, facing: &Facing) -> Result<(Vec<Point3<f64>>, Points, Figures)> {
+    fn fit(
+        &self,
+        pair: TransferPair<'_>,
+        unit: &UnitFrame,
+        facing: &Facing,
+    ) -> Result<(Vec<Point3<f64>>, Points, Figures)> {
         let triangles = &pair.target.triangles;
         let elements = Elements::new(&unit.target, pair.target);
         let mut system = elements.system(self, pair, unit)?;
@@ -204,7 +209,7 @@ struct UnitFrame {
 
 impl UnitFrame {
     /// Lays the source on the target as the markers say.
-    fn new(pair: Pair<'_>, orientation: Orientation) -> Self {
+    fn new(pair: TransferPair<'_>, orientation: Orientation) -> Self {
         let from: Vec<_> =
             pair.markers.iter().map(|m| m.source.position(pair.source, &pair.source.positions)).collect();
         let to: Vec<_> = pair.markers.iter().map(|m| m.target.position(pair.target, &pair.target.positions)).collect();

@@ -28,8 +28,8 @@ use mimesh_core::{
     register,
     spatial::{Orientation, Similarity},
     stage::{
-        BoundTransfer, Clusterer, Deformer, HandleWeights, Marker, Pair, Proximity, Skin, Transfer, Transferred,
-        TriangleMap, Weights,
+        BoundTransfer, Clusterer, Deformer, HandleWeights, Marker, Proximity, Skin, Transfer, TransferPair,
+        Transferred, TriangleMap, Weights,
     },
 };
 use nalgebra::Point3;
@@ -110,7 +110,7 @@ impl Default for Biharmonic {
 
 #[typetag::serde(name = "biharmonic")]
 impl Transfer for Biharmonic {
-    fn bind(&self, pair: Pair<'_>, map: &TriangleMap) -> Result<Box<dyn BoundTransfer>> {
+    fn bind(&self, pair: TransferPair<'_>, map: &TriangleMap) -> Result<Box<dyn BoundTransfer>> {
         self.bind_to_poses(pair, map, &[])
     }
 
@@ -124,7 +124,7 @@ impl Transfer for Biharmonic {
 
     fn bind_to_poses(
         &self,
-        pair: Pair<'_>,
+        pair: TransferPair<'_>,
         _: &TriangleMap,
         poses: &[Vec<Point3<f64>>],
     ) -> Result<Box<dyn BoundTransfer>> {
@@ -177,7 +177,7 @@ impl Transfer for Biharmonic {
         Ok(Box::new(Bound { skin, weights: of_target, places, residual, integral, target_from_source, figures }))
     }
 
-    fn check(&self, pair: Pair<'_>) -> Result<()> {
+    fn check(&self, pair: TransferPair<'_>) -> Result<()> {
         Error::check_setting("learn_from", self.learn_from as f64, 1.0, f64::INFINITY)?;
         self.stages()?;
         if pair.markers.len() < 3 {
@@ -200,7 +200,7 @@ impl Biharmonic {
     }
 
     /// The similarity that brings the source's markers closest to the target's.
-    fn similarity(&self, pair: Pair<'_>) -> Similarity {
+    fn similarity(&self, pair: TransferPair<'_>) -> Similarity {
         let source: Vec<_> =
             pair.markers.iter().map(|m| m.source.position(pair.source, &pair.source.positions)).collect();
         let target: Vec<_> =
@@ -210,7 +210,12 @@ impl Biharmonic {
 }
 
 /// y: the target's vertices, at `rest` in the source's frame, less the ways from the source's handles to the target's.
-fn places(pair: Pair<'_>, weights: &HandleWeights, rest: &[Point3<f64>], in_source: &Similarity) -> Vec<Point3<f64>> {
+fn places(
+    pair: TransferPair<'_>,
+    weights: &HandleWeights,
+    rest: &[Point3<f64>],
+    in_source: &Similarity,
+) -> Vec<Point3<f64>> {
     let offset = |marker: &Marker| {
         let on_target = in_source.apply(&marker.target.position(pair.target, &pair.target.positions));
         on_target - marker.source.position(pair.source, &pair.source.positions)

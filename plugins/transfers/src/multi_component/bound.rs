@@ -15,7 +15,7 @@ use super::{
     rigid::Rigid,
     system::System,
 };
-use crate::{field::Field, loose::Loose, placement::BoundPlacement};
+use crate::{field::Field, placement::BoundPlacement, unreferenced::Unreferenced};
 
 #[derive(Debug)]
 pub struct Bound {
@@ -32,7 +32,7 @@ pub struct Bound {
     pub rigid: Rigid,
     pub plants: Plants,
     pub placement: BoundPlacement,
-    pub loose: Loose,
+    pub loose: Unreferenced,
     pub around: Vec<Vec<u32>>,
     pub figures: Figures,
 }

@@ -4,7 +4,7 @@ use mimesh_core::{
     Result,
     mesh::{Components, Surface, SurfacePoint},
     spatial::{Nearest, Similarity},
-    stage::{Pair, TriangleMap},
+    stage::{TransferPair, TriangleMap},
 };
 use nalgebra::{Matrix3, Point3, Vector3};
 use schemars::JsonSchema;
@@ -46,7 +46,12 @@ impl Gap {
     /// # Errors
     ///
     /// If a position is not finite.
-    pub fn all(pair: Pair<'_>, map: &TriangleMap, weight: f64, is_orphan: impl Fn(usize) -> bool) -> Result<Vec<Self>> {
+    pub fn all(
+        pair: TransferPair<'_>,
+        map: &TriangleMap,
+        weight: f64,
+        is_orphan: impl Fn(usize) -> bool,
+    ) -> Result<Vec<Self>> {
         let Some(graph) = pair.proximity else { return Ok(vec![]) };
         let (source, target) = (pair.source, pair.target);
         let knowledge = Knowledge::new(pair, map, is_orphan, &graph.components)?;
@@ -120,7 +125,7 @@ impl Gap {
 /// An end of a gap that no triangle with a partner touches stands for the nearest vertex of its component that one does: a
 /// component moves nearly as one, and its own known part tells more of the gap than a length does.
 struct Knowledge<'a> {
-    pair: Pair<'a>,
+    pair: TransferPair<'a>,
     map: &'a TriangleMap,
     /// Triangles around each target vertex.
     around: Vec<Vec<u32>>,
@@ -134,7 +139,7 @@ struct Knowledge<'a> {
 
 impl<'a> Knowledge<'a> {
     fn new(
-        pair: Pair<'a>,
+        pair: TransferPair<'a>,
         map: &'a TriangleMap,
         is_orphan: impl Fn(usize) -> bool,
         components: &'a Components,

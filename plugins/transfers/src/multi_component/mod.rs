@@ -30,7 +30,7 @@ mod system;
 use mimesh_core::{
     Error, Result, register,
     spatial::Orientation,
-    stage::{BoundTransfer, ComponentRef, Pair, Transfer, TriangleMap},
+    stage::{BoundTransfer, ComponentRef, Transfer, TransferPair, TriangleMap},
 };
 use nalgebra::Point3;
 use schemars::JsonSchema;
@@ -38,7 +38,7 @@ use serde::{Deserialize, Serialize};
 
 use self::{bound::Bound, gaps::Gap, plants::Plants, prior::Prior, rigid::Rigid, system::System};
 pub use self::{gaps::Gaps, plants::Plant};
-use crate::{Placement, alignment::Alignment, field::Field, gradient::Sampling, loose::Loose};
+use crate::{Placement, alignment::Alignment, field::Field, gradient::Sampling, unreferenced::Unreferenced};
 
 register!(Transfer: MultiComponent);
 
@@ -145,7 +145,7 @@ impl Default for Weights {
 
 #[typetag::serde(name = "multi_component")]
 impl Transfer for MultiComponent {
-    fn bind(&self, pair: Pair<'_>, map: &TriangleMap) -> Result<Box<dyn BoundTransfer>> {
+    fn bind(&self, pair: TransferPair<'_>, map: &TriangleMap) -> Result<Box<dyn BoundTransfer>> {
         self.bind_to_poses(pair, map, &[])
     }
 
@@ -155,7 +155,7 @@ impl Transfer for MultiComponent {
 
     fn bind_to_poses(
         &self,
-        pair: Pair<'_>,
+        pair: TransferPair<'_>,
         map: &TriangleMap,
         poses: &[Vec<Point3<f64>>],
     ) -> Result<Box<dyn BoundTransfer>> {
@@ -221,13 +221,13 @@ impl Transfer for MultiComponent {
             rigid,
             plants,
             placement,
-            loose: Loose::new(target),
+            loose: Unreferenced::new(target),
             around,
             figures,
         }))
     }
 
-    fn check(&self, pair: Pair<'_>) -> Result<()> {
+    fn check(&self, pair: TransferPair<'_>) -> Result<()> {
         let Weights { gradient, smoothness, gaps, details, prior } = self.weights;
         Error::check_setting("weights.gradient", gradient, 1e-12, f64::INFINITY)?;
         Error::check_setting("weights.smoothness", smoothness, 0.0, f64::INFINITY)?;
@@ -266,7 +266,7 @@ impl Transfer for MultiComponent {
 }
 
 /// Triangles at the ends of gaps, over which orphans continue their neighbours as a first guess.
-fn bridges(pair: Pair<'_>) -> Vec<[u32; 2]> {
+fn bridges(pair: TransferPair<'_>) -> Vec<[u32; 2]> {
     let Some(graph) = pair.proximity else { return vec![] };
     let around = pair.target.triangles_around();
     let bridge = |[i, j]: [u32; 2]| Some([*around[i as usize].first()?, *around[j as usize].first()?]);

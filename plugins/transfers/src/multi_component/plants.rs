@@ -3,7 +3,7 @@
 use mimesh_core::{
     Error, Result,
     mesh::Surface,
-    stage::{Marker, Pair},
+    stage::{Marker, TransferPair},
 };
 use nalgebra::{DMatrix, DVector, Matrix3xX, Point3, Vector3};
 use schemars::JsonSchema;
@@ -27,7 +27,7 @@ pub struct Plant {
 
 impl Plant {
     /// The target's vertices with weights that sum to 1.
-    fn points(&self, pair: Pair<'_>) -> Result<Vec<(u32, f64)>> {
+    fn points(&self, pair: TransferPair<'_>) -> Result<Vec<(u32, f64)>> {
         let target = pair.target;
         let refused = |expected: String, found: String| Error::Setting { setting: "plants", expected, found };
         if self.frames[0] > self.frames[1] {
@@ -79,11 +79,11 @@ struct Bound {
 
 impl Plants {
     /// Looks for what [`new`](Self::new) would refuse.
-    pub fn check(pair: Pair<'_>, plants: &[Plant]) -> Result<()> {
+    pub fn check(pair: TransferPair<'_>, plants: &[Plant]) -> Result<()> {
         plants.iter().try_for_each(|plant| plant.points(pair).map(drop))
     }
 
-    pub fn new(pair: Pair<'_>, plants: &[Plant], system: &System) -> Result<Self> {
+    pub fn new(pair: TransferPair<'_>, plants: &[Plant], system: &System) -> Result<Self> {
         let bound = |plant: &Plant| {
             let points = plant.points(pair)?;
             let response = system.response(&points);

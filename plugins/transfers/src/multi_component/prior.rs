@@ -3,7 +3,7 @@
 use mimesh_core::{
     Result,
     operators::{DeformationGradients, voronoi_mass},
-    stage::{BoundTransfer, Pair, Transfer, TriangleMap},
+    stage::{BoundTransfer, Transfer, TransferPair, TriangleMap},
 };
 use nalgebra::{Matrix3, Point3, Vector3};
 
@@ -29,7 +29,7 @@ impl Prior {
     /// correspond to nothing.
     pub fn new(
         transfer: &dyn Transfer,
-        pair: Pair<'_>,
+        pair: TransferPair<'_>,
         map: &TriangleMap,
         poses: &[Vec<Point3<f64>>],
         [weight, trust]: [f64; 2],

@@ -3,12 +3,12 @@ use nalgebra::{Matrix3, Point3, Vector3};
 
 /// Vertices that no triangle uses: they go with the nearest vertex that one does.
 #[derive(Debug)]
-pub struct Loose {
+pub struct Unreferenced {
     /// The loose vertex, the nearest used one, a triangle around that, and the way from there at rest.
     vertices: Vec<(u32, u32, u32, Vector3<f64>)>,
 }
 
-impl Loose {
+impl Unreferenced {
     pub fn new(target: &Surface) -> Self {
         let mut triangle = vec![None; target.vertex_count()];
         for (t, corners) in target.triangles.iter().enumerate() {
