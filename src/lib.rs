@@ -1,13 +1,10 @@
 //! mimesh: deformation transfer between triangle meshes, as pipelines of swappable stages.
 //!
-//! In reading order:
-//! - [`core`]: meshes, operators, the stage traits and the registry (crate `mimesh-core`);
-//! - [`pipeline`]: what a YAML file declares, how it is read and checked, and how it runs;
+//! The program [`cli`] on top of the crates:
+//! - [`core`]: meshes, operators, the stage traits and the registry;
+//! - [`document`]: YAML files with the places of their values, and diagnostics;
 //! - [`markers`]: files of corresponding points;
-//! - [`page`]: what a run or several look like in a browser;
-//! - [`diagnostic`] and [`status`]: how something wrong is told, and with which exit status;
-//! - [`mod@bench`]: every method where the result is known;
-//! - [`cli`]: the command line, one file a subcommand.
+//! - [`pipeline`]: what a YAML file declares, how it is checked, and how it runs.
 //!
 //! A program with its own stages links them and hands over:
 //!
@@ -18,17 +15,12 @@
 //! }
 //! ```
 
-pub mod bench;
 pub mod cli;
-pub mod diagnostic;
-pub mod markers;
-pub mod page;
-pub mod pipeline;
-pub mod status;
-mod text;
 
 pub use mimesh_core as core;
-pub use pipeline::Pipeline;
+pub use mimesh_document as document;
+pub use mimesh_markers as markers;
+pub use mimesh_pipeline as pipeline;
 
 /// Links the stages that mimesh brings itself: a crate that is never named is not linked, and its stages not
 /// registered.

@@ -16,6 +16,8 @@ export CARGO_TARGET_DIR=${CARGO_TARGET_DIR:-$root/target}
 [ "${CI:-}" = true ] || export CARGO_NET_OFFLINE=true
 
 work=$(mktemp -d)
+# Not the cache of the user.
+export MIMESH_CACHE=$work/cache
 crates=()
 finish() {
     local status=$?
@@ -44,26 +46,26 @@ cd "$work/clean"
 ln -s "$root" mimesh
 export CARGO_INSTALL_ROOT=$work/installed PATH="$work/installed/bin:$PATH"
 
-# Runs each line of a block, and shows it; everything printed goes to the file `said` too.
+# Runs each line of a block, and shows it; everything printed goes to the file `printed` too.
 follow() {
-    : > "$work/said"
+    : > "$work/printed"
     while IFS= read -r -u 3 line; do
         printf '\n$ %s (%ss)\n' "$line" "$SECONDS"
         # In this shell, so that `cd` stays.
-        eval "$line" > "$work/now" 2>&1 || { cat "$work/now"; cat "$work/now" >> "$work/said"; return 1; }
+        eval "$line" > "$work/now" 2>&1 || { cat "$work/now"; cat "$work/now" >> "$work/printed"; return 1; }
         cat "$work/now"
-        cat "$work/now" >> "$work/said"
+        cat "$work/now" >> "$work/printed"
     done 3< "$1"
 }
 
 # Checks that the lines of a block were printed, in this order, however wide their columns are.
-said() {
+printed() {
     local from=1 at
-    tr -s ' ' < "$work/said" > "$work/now"
+    tr -s ' ' < "$work/printed" > "$work/now"
     while IFS= read -r line; do
         line=$(tr -s ' ' <<< "$line" | sed 's/^ //; s/ $//')
         at=$(tail -n +"$from" "$work/now" | grep -nF -m 1 -- "$line" | cut -d: -f1) \
-            || { printf '\nthe page says that this is printed:\n%s\n' "$line"; return 1; }
+            || { printf '\nthe page shows that this is printed:\n%s\n' "$line"; return 1; }
         from=$((from + at))
     done < "$1"
 }
@@ -76,12 +78,12 @@ for block in "$work"/blocks/*; do
     *.name) ;;
     *.sh)
         if head -n 1 "$next" 2> /dev/null | grep -q '^error:'; then
-            ! follow "$block" || { echo "the page says that this fails"; exit 1; }
+            ! follow "$block" || { echo "the page shows that this fails"; exit 1; }
         else
             follow "$block"
         fi
         ;;
-    *.text) said "$block" ;;
+    *.text) printed "$block" ;;
     *) cp "$block" "$(cat "${block%.*}.name")" ;;
     esac
 done

@@ -3,12 +3,12 @@
 
 mod common;
 
-use common::{Project, Said, data};
+use common::{Output, Project};
 use mimesh::core::{
     mesh::Surface,
     random::Random,
     spatial::{Orientation, Similarity},
-    testkit::meshes,
+    testkit::{data::data, meshes},
 };
 use nalgebra::{Isometry3, Point3, Rotation3, Vector3};
 
@@ -85,17 +85,18 @@ fn same(vertices: &[u32]) -> Vec<(u32, u32)> {
     vertices.iter().map(|&v| (v, v)).collect()
 }
 
-/// Checks that the command fails on the data, and says these words.
-fn refuses(said: &Said, words: &[&str]) {
-    assert_eq!(said.status, 65, "{}{}", said.out, said.err);
-    words.iter().for_each(|word| assert!(said.err.contains(word), "`{word}` in {}", said.err));
+/// Checks that the command failed on bad data, with these words on stderr.
+#[track_caller]
+fn assert_data_error(output: &Output, words: &[&str]) {
+    assert_eq!(output.status, 65, "{}{}", output.stdout, output.stderr);
+    words.iter().for_each(|word| assert!(output.stderr.contains(word), "`{word}` in {}", output.stderr));
 }
 
-/// Checks a target that has the shape of its source, but for defects: rest gives rest, a rigid motion is taken over, and so is
-/// most of a bend.
-fn keeps_laws(what: &str, project: &Project) {
-    let said = project.mimesh(&["run", "p.yaml"]);
-    assert_eq!(said.status, 0, "{what}: {}", said.err);
+/// Checks a target with the shape of its source, but for defects: rest gives rest, a rigid motion gives the same motion, and a
+/// bend gives most of the bend.
+fn assert_laws(what: &str, project: &Project) {
+    let output = project.mimesh(&["run", "p.yaml"]);
+    assert_eq!(output.status, 0, "{what}: {}", output.stderr);
     let rest = positions(&project.read("target.obj"));
     let diagonal = mimesh::core::mesh::diagonal(&rest);
     let off = |found: &[Point3<f64>], truth: &dyn Fn(&Point3<f64>) -> Point3<f64>| -> Vec<f64> {
@@ -113,11 +114,11 @@ fn keeps_laws(what: &str, project: &Project) {
     assert!(bent < 0.4 * nothing, "{what}: {bent} of the diagonal, doing nothing {nothing}");
 }
 
-/// Checks that key points are found, and returns their vertices.
+/// Checks that key points are found and that each lowers the error; returns their vertices.
 fn key_points(what: &str, project: &Project) -> Vec<u64> {
-    let said = project.mimesh(&["keypoints", "p.yaml", "--output", "k.yaml", "--force", "--json"]);
-    assert_eq!(said.status, 0, "{what}: {}", said.err);
-    let json: serde_json::Value = serde_json::from_str(&said.out).expect("JSON");
+    let output = project.mimesh(&["keypoints", "p.yaml", "--output", "k.yaml", "--force", "--json"]);
+    assert_eq!(output.status, 0, "{what}: {}", output.stderr);
+    let json: serde_json::Value = serde_json::from_str(&output.stdout).expect("JSON");
     let errors: Vec<f64> = json["steps"].as_array().unwrap().iter().map(|s| s["error"].as_f64().unwrap()).collect();
     assert!(errors.iter().all(|e| e.is_finite()) && errors.windows(2).all(|w| w[1] < w[0]), "{what}: {errors:?}");
     let points: Vec<u64> = json["points"].as_array().unwrap().iter().map(|p| p.as_u64().expect("a vertex")).collect();
@@ -134,43 +135,46 @@ fn a_component_without_a_handle_is_named_or_bridged() {
     let (whole, plain) = ([("body", &body), ("eye", &eye)], [("body", &body)]);
 
     let on_target = project(&plain, &whole, &same(&APART));
-    let says = ["the target: component without a handle: eye (42 vertices, from vertex", "put a handle on each"];
-    refuses(&on_target.mimesh(&["run", "p.yaml"]), &says);
+    let words = ["the target: component without a handle: eye (42 vertices, from vertex", "put a handle on each"];
+    assert_data_error(&on_target.mimesh(&["run", "p.yaml"]), &words);
     assert!(!on_target.has("out"), "nothing is written");
     on_target.edit("transfer:", "proximity: { type: spanning_tree }\ntransfer:");
-    keeps_laws("bridged", &on_target);
+    assert_laws("bridged", &on_target);
 
     let on_source = project(&whole, &plain, &same(&APART));
-    let said = on_source.mimesh(&["run", "p.yaml"]);
-    assert_eq!(said.status, 0, "bridged by itself: {}", said.err);
+    let output = on_source.mimesh(&["run", "p.yaml"]);
+    assert_eq!(output.status, 0, "bridged by itself: {}", output.stderr);
     on_source.edit("type: biharmonic", "type: biharmonic, source_proximity: null");
-    refuses(&on_source.mimesh(&["run", "p.yaml"]), &["the source: component without a handle: eye (42 vertices"]);
+    assert_data_error(
+        &on_source.mimesh(&["run", "p.yaml"]),
+        &["the source: component without a handle: eye (42 vertices"],
+    );
 
     let first = body.vertex_count() as u64;
     key_points("two components", &on_source);
     on_source.edit("type: farthest_point, count: 12", "type: given, vertices: [0, 20, 45, 70, 90]");
     assert!(key_points("one of two has candidates", &on_source).iter().all(|&v| v < first));
     on_source.edit("type: greedy", "type: greedy, proximity: null");
-    let said = on_source.mimesh(&["keypoints", "p.yaml", "--output", "k.yaml", "--force"]);
-    refuses(&said, &["key_points (greedy)", "component without a handle: eye (42 vertices"]);
+    let output = on_source.mimesh(&["keypoints", "p.yaml", "--output", "k.yaml", "--force"]);
+    assert_data_error(&output, &["key_points (greedy)", "component without a handle: eye (42 vertices"]);
     on_source.edit("type: given, vertices: [0, 20, 45, 70, 90]", "type: farthest_point, count: 12");
     let points = key_points("each component has a point", &on_source);
     assert!(points.iter().any(|&v| v < first) && points.iter().any(|&v| v >= first), "{points:?}");
 }
 
 #[test]
-fn a_handle_that_is_given_twice_is_named() {
+fn a_repeated_handle_is_named() {
     let bar = bar();
     let project = project(&[("bar", &bar)], &[("bar", &bar)], &same(&[0, 20, 45, 20, 90]));
-    let says = "m.cons:5: marker 4 lies on the same point of the source as marker 2 (line 3)";
-    refuses(&project.mimesh(&["run", "p.yaml"]), &[says, "remove one of the two"]);
+    let words = "m.cons:5: marker 4 lies on the same point of the source as marker 2 (line 3)";
+    assert_data_error(&project.mimesh(&["run", "p.yaml"]), &[words, "remove one of the two"]);
     // Two points within one triangle that are nearest to the same corner.
     let inside = |a: f64| format!("{{ triangle: 0, barycentric: [{a}, {}, 0] }}", 1.0 - a);
     let points = [inside(0.9), inside(0.8), "45".into(), "70".into(), "90".into()];
     let lines: String = points.iter().map(|p| format!("  - {{ source: {p}, target: {p} }}\n")).collect();
     project.write("m.yaml", &format!("markers:\n{lines}"));
     project.edit("m.cons", "m.yaml");
-    refuses(
+    assert_data_error(
         &project.mimesh(&["run", "p.yaml"]),
         &[
             "handles on the source (markers, counted from 0): points 0 and 1 lie at the same vertex",
@@ -179,16 +183,16 @@ fn a_handle_that_is_given_twice_is_named() {
     );
 
     project.edit("type: farthest_point, count: 12", "type: given, vertices: [0, 20, 45, 20]");
-    refuses(&project.mimesh(&["keypoints", "p.yaml", "--output", "k.yaml"]), &["vertex 20 is listed twice"]);
+    assert_data_error(&project.mimesh(&["keypoints", "p.yaml", "--output", "k.yaml"]), &["vertex 20 is listed twice"]);
 }
 
 #[test]
-fn key_points_that_stand_twice_in_a_file_are_resumed_once() {
+fn repeated_key_points_of_a_file_are_resumed_once() {
     let bar = bar();
     let project = project(&[("bar", &bar)], &[("bar", &bar)], &same(&APART));
     project.write("k.yaml", "markers:\n  - { source: 20, target: null }\n  - { source: 20, target: null }\n");
-    let said = project.mimesh(&["keypoints", "p.yaml", "--output", "k.yaml", "--resume"]);
-    assert_eq!(said.status, 0, "{}", said.err);
+    let output = project.mimesh(&["keypoints", "p.yaml", "--output", "k.yaml", "--resume"]);
+    assert_eq!(output.status, 0, "{}", output.stderr);
     assert_eq!(project.read("k.yaml").matches("source: 20,").count(), 1, "{}", project.read("k.yaml"));
 }
 
@@ -206,7 +210,7 @@ fn handles_on_copies_of_a_vertex_are_one() {
     let copies = |v: u32| (0..).zip(whole.triangles.iter().flatten()).filter(move |(_, w)| **w == v).map(|(i, _)| i);
     let apart: Vec<u32> = APART.iter().map(|&v| copies(v).next().expect("a corner")).collect();
     let good = project(&[("bar", &bar)], &[("bar", &bar)], &same(&apart));
-    keeps_laws("split", &good);
+    assert_laws("split", &good);
     let bent = positions(&good.read("out/10.obj"));
     for v in 0..whole.vertex_count() as u32 {
         let places: Vec<_> = copies(v).map(|i| bent[i as usize]).collect();
@@ -216,12 +220,12 @@ fn handles_on_copies_of_a_vertex_are_one() {
 
     let twice = copies(0).nth(1).expect("another corner");
     let bad = project(&[("bar", &bar)], &[("bar", &bar)], &same(&[&apart[..], &[twice]].concat()));
-    let says = "marker 7 lies on the same point of the source as marker 1";
-    refuses(&bad.mimesh(&["run", "p.yaml"]), &[says]);
+    let words = "marker 7 lies on the same point of the source as marker 1";
+    assert_data_error(&bad.mimesh(&["run", "p.yaml"]), &[words]);
     let list = format!("type: given, vertices: [{}, {twice}]", apart[0]);
     bad.edit("type: farthest_point, count: 12", &list);
-    let says = [&*format!("vertices {} and {twice} are the same point of the surface", apart[0]), "seam"];
-    refuses(&bad.mimesh(&["keypoints", "p.yaml", "--output", "k.yaml"]), &says);
+    let words = [&*format!("vertices {} and {twice} are the same point of the surface", apart[0]), "seam"];
+    assert_data_error(&bad.mimesh(&["keypoints", "p.yaml", "--output", "k.yaml"]), &words);
 }
 
 #[test]
@@ -229,22 +233,22 @@ fn flat_patches_keep_laws_and_their_markers_may_lie_on_a_line() {
     let patch = patch();
     let project = |markers: &[u32]| project(&[("patch", &patch)], &[("patch", &patch)], &same(markers));
     let spread = project(&[0, 9, 44, 90, 99]);
-    keeps_laws("patch", &spread);
+    assert_laws("patch", &spread);
     key_points("patch", &spread);
     for reconstruction in ["blend", "gradients"] {
         let line = project(&[0, 3, 6, 9]);
         line.edit("type: biharmonic", &format!("type: biharmonic, reconstruction: {reconstruction}"));
-        keeps_laws("markers on a line", &line);
+        assert_laws("markers on a line", &line);
         // What the maps do off their plane shows on a target that leaves it.
         let hill = moved(&patch, |p| p + Vector3::z() * (4.0 * p.x * (1.0 - p.x) * p.y * (1.0 - p.y)));
         let hill = self::project(&[("patch", &patch)], &[("hill", &hill)], &same(&[0, 9, 90, 99]));
         hill.edit("type: biharmonic", &format!("type: biharmonic, reconstruction: {reconstruction}"));
-        keeps_laws("a hill that follows a patch", &hill);
+        assert_laws("a hill that follows a patch", &hill);
     }
 }
 
 /// A surface with triangles that have no area, and one of their vertices.
-fn spoilt(how: &str) -> (Surface, u32) {
+fn defective(how: &str) -> (Surface, u32) {
     let mut surface = bar();
     let (end, [a, b, _]) = (surface.vertex_count() as u32, surface.triangles[0]);
     let [p, q] = [a, b].map(|v| surface.positions[v as usize]);
@@ -272,16 +276,16 @@ fn spoilt(how: &str) -> (Surface, u32) {
 #[test]
 fn triangles_without_area_do_no_harm() {
     for how in ["a vertex on an edge", "a corner twice", "an edge without length", "a loose line", "a loose point"] {
-        let (sound, (spoilt, vertex)) = (bar(), spoilt(how));
-        let (sound, spoilt) = ([("bar", &sound)], [("bar", &spoilt)]);
+        let (sound, (defective, vertex)) = (bar(), defective(how));
+        let (sound, defective) = ([("bar", &sound)], [("bar", &defective)]);
         let apart = same(&APART[1..]);
-        let on_source = project(&spoilt, &sound, &apart);
-        keeps_laws(&format!("{how} on the source"), &on_source);
+        let on_source = project(&defective, &sound, &apart);
+        assert_laws(&format!("{how} on the source"), &on_source);
         key_points(how, &on_source);
-        keeps_laws(&format!("{how} on the target"), &project(&sound, &spoilt, &apart));
+        assert_laws(&format!("{how} on the target"), &project(&sound, &defective, &apart));
         // A handle there.
         let there = [&apart[..], &[(vertex, vertex)]].concat();
-        keeps_laws(&format!("{how}, with a handle"), &project(&spoilt, &spoilt, &there));
+        assert_laws(&format!("{how}, with a handle"), &project(&defective, &defective, &there));
     }
 }
 
@@ -293,14 +297,17 @@ fn a_handle_on_a_vertex_without_a_triangle_is_named() {
     let vertex = bar.vertex_count() as u32;
     let markers = [&same(&APART)[..], &[(5, vertex)]].concat();
     let project = project(&[("bar", &bar)], &[("bar", &stray)], &markers);
-    refuses(&project.mimesh(&["run", "p.yaml"]), &[&format!("vertex {vertex}"), "belongs to no polygon"]);
+    assert_data_error(&project.mimesh(&["run", "p.yaml"]), &[&format!("vertex {vertex}"), "belongs to no polygon"]);
 }
 
 /// A project with horse or camel as the source, which is at rest, moved and in its first pose.
 fn animals(source: &str, target: &str) -> Option<Project> {
-    let data = data()?;
-    let path = |animal: &str, pose: &str| data.join(format!("sumner-{animal}-poses/{animal}-{pose}.obj"));
-    let text = std::fs::read_to_string(data.join("markers/horse_camel.cons")).expect("markers");
+    let (horse, camel, markers) = (data("sumner-horse-poses")?, data("sumner-camel-poses")?, data("markers")?);
+    let path = |animal: &str, pose: &str| {
+        let folder = if animal == "horse" { &horse } else { &camel };
+        folder.join(format!("{animal}-{pose}.obj"))
+    };
+    let text = std::fs::read_to_string(markers.join("horse_camel.cons")).expect("markers");
     let all: Vec<(u32, u32)> = text
         .lines()
         .filter_map(|line| line.split_once(','))
@@ -338,8 +345,8 @@ fn animals(source: &str, target: &str) -> Option<Project> {
 fn a_camel_that_is_no_manifold_takes_and_gives_poses() {
     for (source, target) in [("horse", "camel"), ("camel", "horse")] {
         let Some(project) = animals(source, target) else { return };
-        let said = project.mimesh(&["run", "p.yaml"]);
-        assert_eq!(said.status, 0, "{}", said.err);
+        let output = project.mimesh(&["run", "p.yaml"]);
+        assert_eq!(output.status, 0, "{}", output.stderr);
         let [rest, at_rest, turned, posed, truth] = ["target", "out/1", "out/2", "out/10", "truth"]
             .map(|name| positions(&project.read(&format!("{name}.obj"))));
         let diagonal = mimesh::core::mesh::diagonal(&rest);

@@ -1,110 +1,65 @@
 //! Holds every registered implementation of every stage to its contract.
+#![cfg(feature = "bundled")]
 
-use std::{collections::HashSet, path::PathBuf};
+use std::{collections::BTreeSet, fs, path::Path};
 
-use mimesh::core::{
-    plugin::{self, instances},
-    stage::{
-        Clusterer, Correspondence, Deformer, Format, Generator, KeyPoints, Metric, Proximity, Sampler, Transfer,
-        Weights,
-    },
-    testkit::contracts,
-};
+// Links the bundled stages.
+use mimesh as _;
+use mimesh_core::{plugin, testkit::contracts};
 
-#[test]
-fn every_implementation_describes_itself_and_its_settings() {
-    assert!(plugin::all().len() > 8, "the bundled stages are linked");
-    plugin::all().into_iter().for_each(contracts::described);
-}
+/// Stages whose settings name what they give, which no contract can promise; other tests run them on files and points.
+const GIVEN_BY_USER: [(&str, &str); 2] = [("correspondence", "from_file"), ("sampler", "given")];
 
-#[test]
-fn no_name_is_taken_twice() {
-    let mut seen = HashSet::new();
-    for plugin in plugin::all() {
-        assert!(seen.insert((plugin.stage, (plugin.name)())), "{} {}", plugin.stage, (plugin.name)());
-    }
-}
-
-#[test]
-fn every_default_is_written_and_read_back() {
-    instances::<dyn Clusterer>().iter().for_each(|(name, stage)| contracts::round_trips(name, &**stage));
-    instances::<dyn Correspondence>().iter().for_each(|(name, stage)| contracts::round_trips(name, &**stage));
-    instances::<dyn Deformer>().iter().for_each(|(name, stage)| contracts::round_trips(name, &**stage));
-    instances::<dyn Format>().iter().for_each(|(name, stage)| contracts::round_trips(name, &**stage));
-    instances::<dyn KeyPoints>().iter().for_each(|(name, stage)| contracts::round_trips(name, &**stage));
-    instances::<dyn Metric>().iter().for_each(|(name, stage)| contracts::round_trips(name, &**stage));
-    instances::<dyn Proximity>().iter().for_each(|(name, stage)| contracts::round_trips(name, &**stage));
-    instances::<dyn Generator>().iter().for_each(|(name, stage)| contracts::round_trips(name, &**stage));
-    instances::<dyn Sampler>().iter().for_each(|(name, stage)| contracts::round_trips(name, &**stage));
-    instances::<dyn Transfer>().iter().for_each(|(name, stage)| contracts::round_trips(name, &**stage));
-    instances::<dyn Weights>().iter().for_each(|(name, stage)| contracts::round_trips(name, &**stage));
-}
-
-#[test]
-fn every_correspondence_keeps_its_contract() {
-    let mut checked = 0;
-    for (name, mut stage) in instances::<dyn Correspondence>() {
-        let files: Vec<PathBuf> = stage.files().into_iter().map(|path| path.clone()).collect();
-        if files.is_empty() {
-            contracts::correspondence(name, &*stage);
-            checked += 1;
-        } else {
-            // What a file holds is not for the stage to promise; tests/cli.rs runs it on a file that a run kept.
-            assert_eq!(name, "from_file");
+/// All Rust sources below `folder`.
+fn sources(folder: &Path) -> Vec<String> {
+    let mut texts = Vec::new();
+    for entry in fs::read_dir(folder).expect("a readable folder") {
+        let path = entry.expect("a readable entry").path();
+        if path.is_dir() {
+            texts.extend(sources(&path));
+        } else if path.extension().is_some_and(|extension| extension == "rs") {
+            texts.push(fs::read_to_string(path).expect("UTF-8 text"));
         }
     }
-    assert!(checked >= 3, "identity, nearest and nonrigid_fit at least");
+    texts
 }
 
+/// A crate that is never named is not linked, and its stages are not registered: what the sources of the plug-ins register, the
+/// registry must have.
 #[test]
-fn every_transfer_keeps_its_contract() {
-    instances::<dyn Transfer>().iter().for_each(|(name, stage)| contracts::transfer(name, &**stage));
+fn every_stage_of_the_plugins_is_linked_and_no_name_is_taken_twice() {
+    let plugins = Path::new(env!("CARGO_MANIFEST_DIR")).join("plugins");
+    let mut in_sources: Vec<String> = Vec::new();
+    for text in
+        fs::read_dir(plugins).expect("plugins").flat_map(|crate_| sources(&crate_.expect("a crate").path().join("src")))
+    {
+        let registered = text.lines().filter(|line| line.starts_with("register!(")).count();
+        let names = text.lines().filter_map(|line| line.strip_prefix("#[typetag::serde(name = \"")?.split('"').next());
+        let names: Vec<_> = names.map(str::to_owned).collect();
+        assert_eq!(names.len(), registered, "a file registers as many stages as it names: {names:?}");
+        in_sources.extend(names);
+    }
+    in_sources.sort();
+    let mut linked: Vec<String> = plugin::all().into_iter().map(|plugin| (plugin.name)().to_owned()).collect();
+    linked.sort();
+    assert_eq!(linked, in_sources);
+    let distinct: BTreeSet<_> = plugin::all().into_iter().map(|plugin| (plugin.stage, (plugin.name)())).collect();
+    assert_eq!(distinct.len(), linked.len());
 }
 
+/// Every kind of stage is held to its contract by name, as a stranger's stage is.
 #[test]
-fn every_format_keeps_its_contract() {
-    instances::<dyn Format>().iter().for_each(|(name, stage)| contracts::format(name, &**stage));
-}
-
-#[test]
-fn every_metric_keeps_its_contract() {
-    instances::<dyn Metric>().iter().for_each(|(name, stage)| contracts::metric(name, &**stage));
-}
-
-#[test]
-fn every_proximity_keeps_its_contract() {
-    instances::<dyn Proximity>().iter().for_each(|(name, stage)| contracts::proximity(name, &**stage));
-}
-
-#[test]
-fn every_sample_keeps_its_contract() {
-    instances::<dyn Generator>().iter().for_each(|(name, stage)| contracts::generator(name, &**stage));
-}
-
-#[test]
-fn every_sampler_keeps_its_contract() {
-    let (given, others): (Vec<_>, Vec<_>) =
-        instances::<dyn Sampler>().into_iter().partition(|(name, _)| *name == "given");
-    assert!(given.len() == 1 && others.len() >= 2, "what is given is not for the stage to promise");
-    others.iter().for_each(|(name, stage)| contracts::sampler(name, &**stage));
-}
-
-#[test]
-fn all_weights_keep_their_contract() {
-    instances::<dyn Weights>().iter().for_each(|(name, stage)| contracts::weights(name, &**stage));
-}
-
-#[test]
-fn every_clusterer_keeps_its_contract() {
-    instances::<dyn Clusterer>().iter().for_each(|(name, stage)| contracts::clusterer(name, &**stage));
-}
-
-#[test]
-fn every_deformer_keeps_its_contract() {
-    instances::<dyn Deformer>().iter().for_each(|(name, stage)| contracts::deformer(name, &**stage));
-}
-
-#[test]
-fn every_choice_of_key_points_keeps_its_contract() {
-    instances::<dyn KeyPoints>().iter().for_each(|(name, stage)| contracts::key_points(name, &**stage));
+fn every_stage_keeps_its_contract() {
+    let mut kinds = BTreeSet::new();
+    for plugin in plugin::all() {
+        let name = (plugin.name)();
+        if GIVEN_BY_USER.contains(&(plugin.stage, name)) {
+            contracts::described(plugin);
+        } else {
+            contracts::keeps(plugin.stage, name);
+            kinds.insert(plugin.stage);
+        }
+    }
+    let all: BTreeSet<_> = plugin::all().into_iter().map(|plugin| plugin.stage).collect();
+    assert_eq!(kinds, all, "each kind has a stage that is held to its contract");
 }

@@ -8,7 +8,7 @@ use mimesh::core::{
     mesh::{Surface, SurfacePoint},
     plugin::instance,
     spatial::Similarity,
-    stage::{Marker, Transfer, TransferPair, TriangleMap},
+    stage::{BindInput, Marker, Transfer, TransferPair},
     testkit::{meshes, random::Random},
 };
 use nalgebra::{Point3, Rotation3, Vector3};
@@ -27,31 +27,35 @@ fn project() -> Project {
 }
 
 #[test]
-fn key_points_are_written_without_targets_and_a_run_says_which_are_missing() {
+fn key_points_are_written_without_targets_and_a_run_names_the_missing_ones() {
     let project = project();
-    let said = project.mimesh(&["run", "p.yaml"]);
-    assert_eq!(said.status, 66, "{}", said.err);
+    let output = project.mimesh(&["run", "p.yaml"]);
+    assert_eq!(output.status, 66, "{}", output.stderr);
 
-    let said = project.mimesh(&["keypoints", "p.yaml", "--curve", "curve.svg"]);
-    assert_eq!(said.status, 0, "{}", said.err);
-    assert!(said.out.contains("written: k.markers.yaml"), "{}", said.out);
+    let output = project.mimesh(&["keypoints", "p.yaml", "--curve", "curve.svg"]);
+    assert_eq!(output.status, 0, "{}", output.stderr);
+    assert!(output.stdout.contains("written: k.markers.yaml"), "{}", output.stdout);
     let text = project.read("k.markers.yaml");
     assert!(text.contains("name: \"key 1\"") && text.contains("target: null") && text.contains("side"), "{text}");
     assert!(project.read("curve.svg").contains("<polyline"));
 
-    let said = project.mimesh(&["run", "p.yaml"]);
-    assert_eq!(said.status, 65, "{}", said.err);
+    let output = project.mimesh(&["run", "p.yaml"]);
+    assert_eq!(output.status, 65, "{}", output.stderr);
     let count = text.matches("target: null").count();
-    assert!(said.err.contains("k.markers.yaml:"), "{}", said.err);
-    assert!(said.err.contains(&format!("{count} of {count} markers have no target: key 1 (")), "{}", said.err);
+    assert!(output.stderr.contains("k.markers.yaml:"), "{}", output.stderr);
+    assert!(
+        output.stderr.contains(&format!("{count} of {count} markers have no target: key 1 (")),
+        "{}",
+        output.stderr
+    );
     assert!(!project.path("out").exists(), "nothing is written");
 }
 
 #[test]
 fn completed_key_points_move_the_target() {
     let project = project();
-    let said = project.mimesh(&["keypoints", "p.yaml"]);
-    assert_eq!(said.status, 0, "{}", said.err);
+    let output = project.mimesh(&["keypoints", "p.yaml"]);
+    assert_eq!(output.status, 0, "{}", output.stderr);
     // The target is the source twice as large, vertex by vertex.
     let completed: String = project
         .read("k.markers.yaml")
@@ -65,24 +69,24 @@ fn completed_key_points_move_the_target() {
     project.write("truth.obj", &cube(|[x, y, z]| [2.0 * (x + z), 2.0 * y, 2.0 * z]));
     // Affine maps without rigidity: a shear is one of them.
     project.edit("type: biharmonic", "type: biharmonic, deformer: { type: linear_blend }");
-    let said = project.mimesh(&["run", "p.yaml"]);
-    assert_eq!(said.status, 0, "{}", said.err);
-    let said = project.mimesh(&["score", "out/10.obj", "truth.obj", "--rest", "target.obj", "--json"]);
+    let output = project.mimesh(&["run", "p.yaml"]);
+    assert_eq!(output.status, 0, "{}", output.stderr);
+    let output = project.mimesh(&["score", "out/10.obj", "truth.obj", "--rest", "target.obj", "--json"]);
     let score: serde_json::Value =
-        serde_json::from_str(&said.out).unwrap_or_else(|error| panic!("{error}: {}", said.err));
+        serde_json::from_str(&output.stdout).unwrap_or_else(|error| panic!("{error}: {}", output.stderr));
     let mean = score.pointer("/over_poses/average/mean").and_then(serde_json::Value::as_f64).expect("a score");
     // Maps are drawn to rigid motions by a slight regularisation; doing nothing is 40 % off.
     assert!(mean < 0.5, "{mean} % of the diagonal");
 }
 
 #[test]
-fn markers_that_are_there_are_kept_unless_told_otherwise() {
+fn existing_markers_are_not_replaced_without_an_option() {
     let project = project();
     assert_eq!(project.mimesh(&["keypoints", "p.yaml"]).status, 0);
     let before = project.read("k.markers.yaml");
-    let said = project.mimesh(&["keypoints", "p.yaml"]);
+    let output = project.mimesh(&["keypoints", "p.yaml"]);
     assert_eq!(
-        (said.status, said.err.as_str()),
+        (output.status, output.stderr.as_str()),
         (
             73,
             "error: k.markers.yaml: there are markers already\n  hint: `--resume` goes on from them, `--force` replaces \
@@ -93,15 +97,15 @@ fn markers_that_are_there_are_kept_unless_told_otherwise() {
 
     let found = before.replacen("target: null", "target: 5", 1);
     project.write("k.markers.yaml", &found);
-    let said = project.mimesh(&["keypoints", "p.yaml", "--resume", "--set", "key_points.max_rounds=0"]);
-    assert_eq!(said.status, 0, "{}", said.err);
-    assert!(project.read("k.markers.yaml").contains("target: 5"), "a target that was found is kept");
+    let output = project.mimesh(&["keypoints", "p.yaml", "--resume", "--set", "key_points.max_rounds=0"]);
+    assert_eq!(output.status, 0, "{}", output.stderr);
+    assert!(project.read("k.markers.yaml").contains("target: 5"), "a target that was found stays");
     assert_eq!(project.mimesh(&["keypoints", "p.yaml", "--force"]).status, 0);
     assert!(!project.read("k.markers.yaml").contains("target: 5"));
 
-    let said = project.mimesh(&["keypoints", "p.yaml", "--output", "k.cons"]);
-    assert_eq!(said.status, 2, "{}", said.err);
-    assert!(said.err.contains("k.cons: key points are written as .yaml"), "{}", said.err);
+    let output = project.mimesh(&["keypoints", "p.yaml", "--output", "k.cons"]);
+    assert_eq!(output.status, 2, "{}", output.stderr);
+    assert!(output.stderr.contains("k.cons: key points are written as .yaml"), "{}", output.stderr);
 }
 
 #[cfg(unix)]
@@ -125,16 +129,15 @@ fn an_interrupted_search_is_written_and_resumed_to_the_same_end() {
     project.edit("max_count: 4", "max_count: 60, exhaustive: true");
     project.edit("count: 8", "count: 80");
 
-    let mut child = Command::new(assert_cmd::cargo::cargo_bin!("mimesh"))
-        .current_dir(project.path(""))
-        .args(["keypoints", "p.yaml", "--curve", "curve.svg"])
+    let mut child = project
+        .command(&["keypoints", "p.yaml", "--curve", "curve.svg"])
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
         .spawn()
         .expect("the command runs");
-    let told = BufReader::new(child.stderr.take().expect("a pipe")).lines();
+    let lines = BufReader::new(child.stderr.take().expect("a pipe")).lines();
     let mut steps = 0;
-    for line in told.map(|line| line.expect("UTF-8")) {
+    for line in lines.map(|line| line.expect("UTF-8")) {
         assert!(line.contains("key points, error"), "{line}");
         steps += 1;
         // In the middle of the search for the third.
@@ -152,12 +155,12 @@ fn an_interrupted_search_is_written_and_resumed_to_the_same_end() {
 
     let count = format!("key_points.max_count={}", steps + 1);
     let search = ["keypoints", "p.yaml", "--set", &count, "--set", "key_points.max_rounds=0"];
-    let said = project.mimesh(&[&search[..], &["--resume"]].concat());
-    assert_eq!(said.status, 0, "{}", said.err);
+    let output = project.mimesh(&[&search[..], &["--resume"]].concat());
+    assert_eq!(output.status, 0, "{}", output.stderr);
     let resumed = project.read("k.markers.yaml");
     assert_eq!(resumed.matches("target: null").count(), steps + 1);
-    let said = project.mimesh(&[&search[..], &["--force"]].concat());
-    assert_eq!(said.status, 0, "{}", said.err);
+    let output = project.mimesh(&[&search[..], &["--force"]].concat());
+    assert_eq!(output.status, 0, "{}", output.stderr);
     assert_eq!(resumed, project.read("k.markers.yaml"), "as without interruption");
 }
 
@@ -169,8 +172,8 @@ fn nested_stages_are_checked_like_others() {
         "type: greedy,",
         "type: greedy, deformer: { type: arap_skinning, lamda: 1 }, ranking: { type: harmonc },",
     );
-    let said = project.mimesh(&["check", "p.yaml"]);
-    assert_eq!(said.status, 78);
+    let output = project.mimesh(&["check", "p.yaml"]);
+    assert_eq!(output.status, 78);
     for expected in [
         "unknown key `lamda`",
         "did you mean `lambda`?",
@@ -179,8 +182,17 @@ fn nested_stages_are_checked_like_others() {
         "unknown weights `bounded_biharmonc`",
         "did you mean `bounded_biharmonic`?",
     ] {
-        assert!(said.err.contains(expected), "{expected} in {}", said.err);
+        assert!(output.stderr.contains(expected), "{expected} in {}", output.stderr);
     }
+}
+
+#[test]
+fn a_correspondence_that_is_not_made_cannot_be_kept() {
+    let project = project();
+    project.edit("output:", "keep_correspondence: map.json\noutput:");
+    let said = project.mimesh(&["check", "p.yaml"]);
+    assert_eq!(said.status, 78, "{}", said.stderr);
+    assert!(said.stderr.contains("p.yaml:6:1: `keep_correspondence` without `correspondence`"), "{}", said.stderr);
 }
 
 fn markers(vertices: &[u32]) -> Vec<Marker> {
@@ -197,7 +209,7 @@ fn moved(settings: serde_json::Value, source: &Surface, target: &Surface, pose: 
     let stage: Box<dyn Transfer> = serde_json::from_value(settings).expect("settings");
     let markers = markers(&[0, 20, 45, 70, 90]);
     let pair = TransferPair { source, target, markers: &markers, proximity: None };
-    let bound = stage.bind_to_poses(pair, &TriangleMap::unknown(pair), &[pose.to_vec()]).expect("markers suffice");
+    let bound = stage.bind(BindInput { pair, map: None, poses: &[pose.to_vec()] }).expect("markers suffice");
     bound.transfer(pose).expect("a finite pose").positions
 }
 

@@ -8,9 +8,13 @@ use common::Project;
 #[test]
 fn a_crate_is_written_whole() {
     let project = Project::new();
-    let said = project.mimesh(&["new", "plugin", "ridge-points", "--stage", "sampler"]);
-    assert_eq!(said.status, 0, "{}", said.err);
-    assert!(said.out.contains("cd ridge-points") && said.out.contains("keypoints pipeline.yaml"), "{}", said.out);
+    let output = project.mimesh(&["new", "plugin", "ridge-points", "--stage", "sampler"]);
+    assert_eq!(output.status, 0, "{}", output.stderr);
+    assert!(
+        output.stdout.contains("cd ridge-points") && output.stdout.contains("keypoints pipeline.yaml"),
+        "{}",
+        output.stdout
+    );
     assert_eq!(
         project.names("ridge-points"),
         [".gitignore", "Cargo.lock", "Cargo.toml", "README.md", "pipeline.yaml", "src", "tests"]
@@ -29,15 +33,19 @@ fn the_folder_of_mimesh_may_be_given_and_is_written_as_it_is_found_from_anywhere
     let project = Project::new();
     let source = env!("CARGO_MANIFEST_DIR");
     let given = ["new", "plugin", "ridges", "--path", "here/ridges", "--mimesh", source];
-    let said = project.mimesh(&given);
-    assert_eq!(said.status, 0, "{}", said.err);
+    let output = project.mimesh(&given);
+    assert_eq!(output.status, 0, "{}", output.stderr);
     let manifest = project.read("here/ridges/Cargo.toml");
     assert!(manifest.contains(&format!("mimesh = {{ path = {} }}", serde_json::json!(source))), "{manifest}");
     assert!(project.read("here/ridges/src/lib.rs").contains("register!(Transfer: Ridges);"), "a transfer by default");
 
-    let said = project.mimesh(&["new", "plugin", "others", "--mimesh", "here"]);
-    assert_eq!(said.status, 66);
-    assert!(said.err.contains("here: is not the source of mimesh") && said.err.contains("cloned into"), "{}", said.err);
+    let output = project.mimesh(&["new", "plugin", "others", "--mimesh", "here"]);
+    assert_eq!(output.status, 66);
+    assert!(
+        output.stderr.contains("here: is not the source of mimesh") && output.stderr.contains("cloned into"),
+        "{}",
+        output.stderr
+    );
     assert!(!project.has("others"));
 }
 
@@ -45,10 +53,10 @@ fn the_folder_of_mimesh_may_be_given_and_is_written_as_it_is_found_from_anywhere
 fn nothing_is_overwritten() {
     let project = Project::new();
     project.write("ridges/notes.txt", "mine");
-    let said = project.mimesh(&["new", "plugin", "ridges"]);
-    assert_eq!(said.status, 73);
+    let output = project.mimesh(&["new", "plugin", "ridges"]);
+    assert_eq!(output.status, 73);
     assert_eq!(
-        said.err,
+        output.stderr,
         "error: ridges: exists already\n  hint: nothing is overwritten; give another folder with `--path DIR`\n"
     );
     assert_eq!(project.names("ridges"), ["notes.txt"]);
@@ -68,11 +76,11 @@ fn names_that_cannot_be_are_refused_with_one_that_can() {
         ("surface", "sampler", "has a meaning of its own", "e.g. `my-surface`"),
         ("poisson-disk", "sampler", "there is a sampler `poisson_disk` already", "`mimesh list`"),
     ] {
-        let said = project.mimesh(&["new", "plugin", name, "--stage", stage]);
-        assert_eq!(said.status, 2, "{name}: {}", said.err);
-        assert!(said.err.contains(message) && said.err.contains(hint), "{name}: {}", said.err);
+        let output = project.mimesh(&["new", "plugin", name, "--stage", stage]);
+        assert_eq!(output.status, 2, "{name}: {}", output.stderr);
+        assert!(output.stderr.contains(message) && output.stderr.contains(hint), "{name}: {}", output.stderr);
         assert!(name.is_empty() || name.starts_with("..") || !project.has(name), "{name}");
     }
-    let said = project.mimesh(&["new", "plugin", "ridges", "--stage", "samplr"]);
-    assert!(said.status == 2 && said.err.contains("'sampler'"), "{}", said.err);
+    let output = project.mimesh(&["new", "plugin", "ridges", "--stage", "samplr"]);
+    assert!(output.status == 2 && output.stderr.contains("'sampler'"), "{}", output.stderr);
 }

@@ -1,14 +1,14 @@
 //! Biharmonic transfer between real bodies whose results are known.
 //!
-//! The meshes are not part of this repository: they are looked for in `../shared/data`. Where they are absent the test says
-//! that it was skipped, and fails if the environment has CI=true.
+//! tests/DATA.md lists the meshes. Bounds are in percent of the target's diagonal: the requirement, then the measured value.
 #![cfg(feature = "bundled")]
 
 mod common;
 
 use std::path::Path;
 
-use common::{Project, data};
+use common::{Project, assert_at_most};
+use mimesh::core::testkit::data::data;
 use serde_json::Value;
 
 /// The mean error over six poses, in percent of the target's diagonal.
@@ -31,22 +31,23 @@ fn error(bodies: &Path, target: &str, landmarks: usize, reconstruction: &str) ->
             poses.join(", ")
         ),
     );
-    let said = project.mimesh(&["run", "p.yaml", "--json"]);
-    assert_eq!(said.status, 0, "{}", said.err);
-    let report: Value = serde_json::from_str(&said.out).expect("a report");
-    report["metrics"]["point_error"]["average"]["mean"].as_f64().expect("a mean")
+    let output = project.mimesh(&["run", "p.yaml", "--json"]);
+    assert_eq!(output.status, 0, "{}", output.stderr);
+    output.json()["metrics"]["point_error"]["average"]["mean"].as_f64().expect("a mean")
 }
 
 #[test]
 fn twenty_handles_carry_poses_from_body_to_body() {
-    let Some(data) = data() else { return };
-    let bodies = data.join("bodies");
+    let Some(bodies) = data("bodies") else { return };
     let error = |target: &str, landmarks, reconstruction: &str| error(&bodies, target, landmarks, reconstruction);
     let [child, heavy] = ["target-child", "target-heavy"].map(|target| error(target, 20, "gradients"));
-    assert!(child <= 0.25 && heavy <= 0.25, "child {child}, heavy {heavy}");
+    // The best other program has 0.27 and 0.28 with 16 landmarks.
+    assert_at_most("child, 20 landmarks", child, 0.25, 0.187);
+    assert_at_most("heavy, 20 landmarks", heavy, 0.25, 0.203);
     let few = error("target-child", 10, "gradients");
-    assert!(few <= 0.3, "child with ten landmarks: {few}");
+    // Half the handles may cost a fifth.
+    assert_at_most("child, 10 landmarks", few, 0.3, 0.230);
     // The giant has other proportions, whose joints the paper's reconstruction does not follow.
     let [own, paper] = ["gradients", "blend"].map(|reconstruction| error("target-giant", 20, reconstruction));
-    assert!(own < 0.75 * paper, "giant: {own} and {paper}");
+    assert_at_most("giant, ratio to the paper's reconstruction", own / paper, 0.75, 0.555);
 }

@@ -1,20 +1,23 @@
 //! Weights on real meshes, against what another program found.
 //!
-//! The meshes are not part of this repository: they are looked for in `../shared/data`. Where they are absent the tests say
-//! that they were skipped, and fail if the environment has CI=true.
+//! tests/DATA.md lists the meshes.
 
 mod common;
 
 use std::path::Path;
 
-use common::data;
+use common::assert_at_most;
 use mimesh::core::{
     Figures,
     mesh::{Surface, SurfacePoint},
     plugin::instances,
     stage::{BoundWeights, Format, Proximity, Sampler, Weights},
+    testkit::data::data,
 };
 use nalgebra::DMatrix;
+
+/// The default of `tolerance`: how far the energy of a handle may lie above the least, relative to it.
+const TOLERANCE: f64 = 1e-6;
 
 fn surface(path: &Path) -> Surface {
     let formats = instances::<dyn Format>();
@@ -47,7 +50,7 @@ struct Reference {
 }
 
 fn reference() -> Option<Reference> {
-    let folder = data()?.join("bodies-2k");
+    let folder = data("bodies-2k")?;
     let surface = surface(&folder.join("source/rest.obj"));
     let text = std::fs::read_to_string(folder.join("bbw.json")).expect("handles and energies");
     let json: serde_json::Value = serde_json::from_str(&text).expect("JSON");
@@ -79,8 +82,9 @@ fn bounded_biharmonic_weights_are_those_of_libigl_or_better() {
     let (weights, figures) = solve(r#"{ "type": "bounded_biharmonic", "normalize": "none" }"#, &reference);
     let energies: Vec<f64> = figures.values["energies"].as_array().unwrap().iter().filter_map(|e| e.as_f64()).collect();
     for (k, (found, known)) in energies.iter().zip(&reference.energies).enumerate() {
-        assert!(*found <= known * (1.0 + 1e-4), "handle {k}: energy {found}, libigl has {known}");
-        assert!(*found >= known * (1.0 - 1e-6), "handle {k}: energy {found} is below the least there is, {known}");
+        println!("handle {k}: energy {found}, relative to libigl {:.1e}", found / known - 1.0);
+        assert!(*found <= known * (1.0 + TOLERANCE), "handle {k}: energy {found}, libigl has {known}");
+        assert!(*found >= known * (1.0 - TOLERANCE), "handle {k}: energy {found} is below the least, {known}");
     }
     assert!(weights.min() == 0.0 && weights.max() == 1.0, "{} to {}", weights.min(), weights.max());
     for (k, point) in reference.points.iter().enumerate() {
@@ -89,15 +93,15 @@ fn bounded_biharmonic_weights_are_those_of_libigl_or_better() {
             assert_eq!(weights[(v as usize, other)], f64::from(u8::from(k == other)));
         }
     }
+    assert!(figures.number("relative_gap").unwrap() <= TOLERANCE && figures.warnings.is_empty(), "{figures:?}");
+    // The energy is quadratic about its least value, so weights agree to the square root of its tolerance.
     let difference = (&weights - &reference.weights).amax();
-    println!("before rows are divided by their sums: {difference:.1e}");
-    assert!(difference < 2e-3, "{difference}");
-    assert!(figures.number("relative_gap").unwrap() <= 1e-6 && figures.warnings.is_empty(), "{figures:?}");
+    assert_at_most("difference of weights", difference, TOLERANCE.sqrt(), 4.8e-4);
 
-    let (normalised, figures) = solve(r#"{ "type": "bounded_biharmonic" }"#, &reference);
+    // A sum of several weights differs by several such differences.
+    let (normalised, _) = solve(r#"{ "type": "bounded_biharmonic" }"#, &reference);
     let difference = (&normalised - each_row_over_its_sum(reference.weights)).amax();
-    println!("after: {difference:.1e}; {}", serde_json::to_string(&figures).unwrap());
-    assert!(difference < 2e-3, "{difference}");
+    assert_at_most("difference of weights over their sums", difference, 2.0 * TOLERANCE.sqrt(), 1.27e-3);
 }
 
 #[test]
@@ -109,8 +113,8 @@ fn unbounded_weights_are_near_bounded_ones_and_their_energy_is_lower() {
     }
     let bounded = each_row_over_its_sum(reference.weights);
     let mean = (&unbounded - &bounded).abs().mean();
-    println!("least {} greatest {} mean difference {mean}", unbounded.min(), unbounded.max());
-    assert!(mean < 0.05, "{mean}");
+    // A twentieth of the range of weights: so near that `greedy` can rank candidates by unbounded ones.
+    assert_at_most("mean difference of unbounded weights", mean, 0.05, 0.0160);
 }
 
 /// Vertices of a surface, each the farthest from those before.
@@ -122,19 +126,19 @@ fn spread(surface: &Surface, count: usize) -> Vec<SurfacePoint> {
 
 #[test]
 fn a_body_of_13348_vertices_is_solved_to_the_same_tolerance() {
-    let Some(data) = data() else { return };
-    let surface = surface(&data.join("bodies/source/rest.obj"));
+    let Some(rest) = data("bodies/source/rest.obj") else { return };
+    let surface = surface(&rest);
     assert_eq!(surface.vertex_count(), 13_348);
     let points = spread(&surface, 6);
     let found = bind(r#"{ "type": "bounded_biharmonic" }"#, &surface, &points).solve(&[0, 1, 2, 3, 4, 5]).unwrap();
-    assert!(found.figures.number("relative_gap").unwrap() <= 1e-6 && found.figures.warnings.is_empty());
+    assert!(found.figures.number("relative_gap").unwrap() <= TOLERANCE && found.figures.warnings.is_empty());
     assert!(found.matrix.min() == 0.0 && found.matrix.max() == 1.0);
 }
 
 #[test]
 fn a_camel_with_edges_of_many_triangles_has_finite_weights() {
-    let Some(data) = data() else { return };
-    let surface = surface(&data.join("sumner-camel-poses/camel-reference.obj"));
+    let Some(camel) = data("sumner-camel-poses/camel-reference.obj") else { return };
+    let surface = surface(&camel);
     let points = spread(&surface, 4);
     for settings in [
         r#"{ "type": "bounded_biharmonic", "tolerance": 1e-3 }"#,
@@ -145,7 +149,7 @@ fn a_camel_with_edges_of_many_triangles_has_finite_weights() {
         let found = bind(settings, &surface, &points).solve(&[0, 1, 2, 3]).unwrap();
         assert!(found.figures.warnings.is_empty(), "{settings}: {:?}", found.figures);
         for row in found.matrix.row_iter() {
-            // The bilaplacian of 21,887 vertices leaves about half of the digits.
+            // The bilaplacian has the squared condition of the Laplacian, which on 21,887 vertices leaves about half of the digits.
             assert!((row.sum() - 1.0).abs() < 1e-6, "{settings}: {}", row.sum());
         }
     }
@@ -153,8 +157,8 @@ fn a_camel_with_edges_of_many_triangles_has_finite_weights() {
 
 #[test]
 fn stones_without_a_handle_take_weights_over_bridges() {
-    let Some(data) = data() else { return };
-    let surface = surface(&data.join("pebble-camel/rest.obj"));
+    let Some(stones) = data("pebble-camel/rest.obj") else { return };
+    let surface = surface(&stones);
     let tree: Box<dyn Proximity> = serde_json::from_str(r#"{ "type": "spanning_tree" }"#).unwrap();
     let graph = tree.proximity(&surface).unwrap();
     let points: Vec<_> = (0..12).map(|k| SurfacePoint::Vertex(k * (surface.vertex_count() as u32 / 12))).collect();
@@ -164,6 +168,7 @@ fn stones_without_a_handle_take_weights_over_bridges() {
         let found = stage.bind(&surface, &points, Some(&graph)).unwrap().solve(&all).unwrap();
         assert!(found.figures.warnings.is_empty(), "{settings}: {:?}", found.figures);
         for row in found.matrix.row_iter() {
+            // As on the camel.
             assert!((row.sum() - 1.0).abs() < 1e-6, "{settings}: {}", row.sum());
         }
         let alone = stage.bind(&surface, &points, None).unwrap().solve(&all).unwrap_err().to_string();

@@ -1,4 +1,4 @@
-//! Results that are kept from run to run: taken only where nothing they depend on has changed, whatever happened before.
+//! Results cached from run to run: taken only where nothing they depend on has changed, and whole whatever happened before.
 #![cfg(feature = "bundled")]
 
 mod common;
@@ -7,11 +7,12 @@ use std::{
     collections::BTreeMap,
     fs,
     path::{Path, PathBuf},
-    process::{Command, Stdio},
-    time::Duration,
+    process::Stdio,
+    thread,
+    time::{Duration, Instant},
 };
 
-use common::Project;
+use common::{Project, wait_for};
 use mimesh::core::testkit::random::Random;
 use serde_json::Value;
 
@@ -31,18 +32,18 @@ fn gallop() -> Project {
 }
 
 fn run(project: &Project, more: &[&str]) -> Value {
-    let said = project.mimesh(&[&["run", "p.yaml", "--json"], more].concat());
-    assert_eq!(said.status, 0, "{}", said.err);
-    serde_json::from_str(&said.out).expect("a report")
+    let output = project.mimesh(&[&["run", "p.yaml", "--json"], more].concat());
+    assert_eq!(output.status, 0, "{}", output.stderr);
+    output.json()
 }
 
-/// The results, by name, without the report, which tells times.
+/// The bytes of the results by name. The report is left out, for it holds times.
 fn results(project: &Project, folder: &str) -> BTreeMap<String, Vec<u8>> {
     let names = project.names(folder).into_iter().filter(|name| name != "run.json");
-    names.map(|name| (name.clone(), fs::read(project.path(folder).join(&name)).expect("a result"))).collect()
+    names.map(|name| (name.clone(), project.bytes(&format!("{folder}/{name}")))).collect()
 }
 
-/// For each stage whether its result was kept, and how many poses were.
+/// For each stage whether its result came from the cache, and how many poses did.
 fn reused(report: &Value) -> (Vec<(String, bool)>, usize) {
     let is_reused = |value: &Value| value["reused"] == true;
     let stages = report["stages"].as_array().expect("stages").iter().filter(|stage| stage.get("type").is_some());
@@ -54,12 +55,17 @@ fn stages(of: &[(&str, bool)]) -> Vec<(String, bool)> {
     of.iter().map(|(stage, reused)| (stage.to_string(), *reused)).collect()
 }
 
-/// The files of all entries that are kept.
+/// The files of all entries of a cache, but for temporary ones.
 fn entries(folder: &Path) -> Vec<PathBuf> {
     let mut found = Vec::new();
     for entry in fs::read_dir(folder).into_iter().flatten() {
         let path = entry.expect("an entry").path();
-        if path.is_dir() { found.extend(entries(&path)) } else { found.push(path) }
+        let is_temporary = path.file_name().is_some_and(|name| name.to_string_lossy().starts_with('.'));
+        if path.is_dir() {
+            found.extend(entries(&path));
+        } else if !is_temporary {
+            found.push(path);
+        }
     }
     found.sort();
     found
@@ -72,19 +78,19 @@ fn the_same_run_again_does_no_work_and_gives_the_same_bytes() {
     assert_eq!(reused(&first), (stages(&[("correspondence", false), ("transfer", false)]), 0));
     let results_of_first = results(&project, "out");
     let plan = project.mimesh(&["plan", "p.yaml"]);
-    assert!(plan.out.matches("reuse:").count() == 3 && !plan.out.contains("run"), "{}", plan.out);
+    assert!(plan.stdout.matches("reuse:").count() == 3 && !plan.stdout.contains("run"), "{}", plan.stdout);
 
     let second = run(&project, &["--threads", "1"]);
     assert_eq!(reused(&second), (stages(&[("correspondence", true), ("transfer", true)]), 12));
     assert_eq!(results(&project, "out"), results_of_first);
-    // What stages said is kept with their results.
+    // What stages report is cached with their results.
     let figures =
         |report: &Value| report["stages"].as_array().unwrap().iter().map(|s| s["figures"].clone()).collect::<Vec<_>>();
     assert_eq!(figures(&first), figures(&second));
     assert_eq!(first["metrics"], second["metrics"]);
-    let said = project.mimesh(&["run", "p.yaml"]);
-    assert!(said.out.contains("transfer (gradient): kept from an earlier run"), "{}", said.out);
-    assert!(said.out.contains("12 of 12 kept"), "{}", said.out);
+    let output = project.mimesh(&["run", "p.yaml"]);
+    assert!(output.stdout.contains("transfer (gradient): cached by an earlier run"), "{}", output.stdout);
+    assert!(output.stdout.contains("12 of 12 cached"), "{}", output.stdout);
 
     let without = run(&project, &["--no-cache", "--out", "again"]);
     assert_eq!(reused(&without), (stages(&[("correspondence", false), ("transfer", false)]), 0));
@@ -95,13 +101,13 @@ fn the_same_run_again_does_no_work_and_gives_the_same_bytes() {
 fn a_change_does_again_only_what_depends_on_it() {
     let project = gallop();
     run(&project, &[]);
-    let planned = |more: &[&str]| project.mimesh(&[&["plan", "p.yaml"], more].concat()).out;
+    let planned = |more: &[&str]| project.mimesh(&[&["plan", "p.yaml"], more].concat()).stdout;
 
     let transfer = ["--set", "transfer.reweightings=1"];
     let plan = planned(&transfer);
-    assert!(plan.contains("reuse: kept") && plan.contains("reweightings is 1, was 5"), "{plan}");
+    assert!(plan.contains("reuse: cached") && plan.contains("reweightings is 1, was 5"), "{plan}");
     assert_eq!(reused(&run(&project, &transfer)), (stages(&[("correspondence", true), ("transfer", false)]), 0));
-    // Both are kept side by side.
+    // Both are cached side by side.
     assert_eq!(reused(&run(&project, &[])).1, 12);
     assert_eq!(reused(&run(&project, &transfer)).1, 12);
 
@@ -127,7 +133,7 @@ fn files_count_by_their_contents_and_not_by_name_or_time() {
     let report = run(&project, &[]);
     // `copy_displacement` learns from no pose, so that the others stand.
     assert_eq!(reused(&report).1, 2);
-    let plan = project.mimesh(&["plan", "p.yaml"]).out;
+    let plan = project.mimesh(&["plan", "p.yaml"]).stdout;
     assert!(plan.contains("poses") && plan.contains("reuse"), "{plan}");
     // Renamed, it is the same pose under another name.
     fs::rename(project.path("pose-2.obj"), project.path("pose-3.obj")).expect("another name");
@@ -150,7 +156,7 @@ fn a_file_that_a_stage_reads_counts_too() {
 }
 
 #[test]
-fn damaged_entries_are_told_and_computed_again() {
+fn damaged_entries_are_reported_and_computed_again() {
     let project = gallop();
     run(&project, &[]);
     let expected = results(&project, "out");
@@ -174,36 +180,82 @@ fn damaged_entries_are_told_and_computed_again() {
     assert_eq!(reused(&run(&project, &[])).1, 12);
 }
 
+/// The poses in the cache.
+fn cached_poses(project: &Project) -> usize {
+    entries(&project.cache().join("v1/pose")).len()
+}
+
+/// Checks that each result of a killed run is whole or not there.
+fn assert_whole(project: &Project, expected: &BTreeMap<String, Vec<u8>>) {
+    for (name, bytes) in results(project, "out") {
+        // Hidden files are temporary.
+        if !name.starts_with('.') {
+            assert_eq!(Some(&bytes), expected.get(&name), "{name} is neither whole nor absent");
+        }
+    }
+}
+
 #[test]
-fn a_run_goes_on_where_it_was_killed_and_ends_in_the_same_bytes() {
+fn a_killed_run_resumes_after_its_cached_poses_and_ends_in_the_same_bytes() {
+    const POSES: usize = 48;
+    let project = gallop();
+    // So many poses that a kill after a few of them comes long before the last.
+    project.edit("gait: gallop, resolution: 20", &format!("gait: gallop, resolution: 20, frames: {POSES}"));
+    run(&project, &["--no-cache", "--out", "expected"]);
+    let expected = results(&project, "expected");
+    assert_eq!(expected.len(), POSES + 1);
+    let mut before = 0;
+    for poses in [1, 8, 20] {
+        let mut child =
+            project.command(&["run", "p.yaml", "--quiet"]).stdout(Stdio::null()).spawn().expect("the command runs");
+        wait_for("so many cached poses", || cached_poses(&project) >= poses);
+        child.kill().expect("a process to kill");
+        let status = child.wait().expect("an end");
+        let cached = cached_poses(&project);
+        assert!(!status.success() && (poses..POSES).contains(&cached), "{status}, {cached} poses: not killed midway");
+        assert!(cached >= before, "{before} poses were cached, {cached} are left");
+        assert_whole(&project, &expected);
+        before = cached;
+    }
+    let plan = project.mimesh(&["plan", "p.yaml"]).stdout;
+    assert!(plan.contains(&format!("run {} of {POSES}", POSES - before)), "{plan}");
+    assert_eq!(reused(&run(&project, &[])).1, before);
+    assert_eq!(results(&project, "out"), expected, "temporary files of killed runs are gone too");
+}
+
+#[test]
+#[ignore = "takes minutes: .ci/long runs it"]
+fn runs_killed_200_times_at_random_lose_nothing_and_end_in_the_same_bytes() {
     let project = gallop();
     run(&project, &["--no-cache", "--out", "expected"]);
     let expected = results(&project, "expected");
+    let started = Instant::now();
+    run(&project, &["--cache", "other"]);
+    let whole_run = started.elapsed().as_secs_f64();
     let mut random = Random::new(2);
-    let mut kept = 0;
-    for kill in 0..12 {
-        let mut child = Command::new(assert_cmd::cargo::cargo_bin!("mimesh"))
-            .current_dir(project.path(""))
-            .env("MIMESH_CACHE", project.cache())
-            .args(["run", "p.yaml", "--quiet"])
-            .stdout(Stdio::null())
-            .spawn()
-            .expect("the command runs");
-        // Some kills come before the first pose, some after the end; the law holds for all of them.
-        std::thread::sleep(Duration::from_secs_f64(random.between(0.0, 1.5)));
+    let (mut before, mut midway, mut completed) = (0, 0, 0);
+    for _ in 0..200 {
+        let mut child =
+            project.command(&["run", "p.yaml", "--quiet"]).stdout(Stdio::null()).spawn().expect("the command runs");
+        thread::sleep(Duration::from_secs_f64(random.between(0.0, whole_run)));
+        // The run may have ended by itself.
         let _ = child.kill();
         child.wait().expect("an end");
-        for (name, bytes) in results(&project, "out") {
-            if !name.starts_with('.') {
-                assert_eq!(Some(&bytes), expected.get(&name), "{name} is whole or not there, after kill {kill}");
-            }
+        assert_whole(&project, &expected);
+        let cached = cached_poses(&project);
+        assert!(cached >= before, "{before} poses were cached, {cached} are left");
+        midway += usize::from(cached > 0 && cached < 12);
+        before = cached;
+        if cached == 12 {
+            assert_eq!(reused(&run(&project, &[])).1, 12);
+            assert_eq!(results(&project, "out"), expected, "temporary files of killed runs are gone too");
+            assert_eq!(project.mimesh(&["cache", "--clear"]).status, 0);
+            fs::remove_dir_all(project.path("out")).expect("results");
+            (before, completed) = (0, completed + 1);
         }
-        let now = entries(project.cache()).len();
-        assert!(now >= kept, "nothing that was done is lost");
-        kept = now;
     }
-    run(&project, &[]);
-    assert_eq!(results(&project, "out"), expected, "and nothing that killed runs have left aside");
+    println!("{midway} of 200 kills came between the first pose and the last, {completed} runs were completed");
+    assert!(midway >= 20 && completed >= 5, "{midway} kills midway, {completed} runs completed");
 }
 
 #[test]
@@ -224,12 +276,15 @@ fn two_runs_at_once_share_a_cache() {
 }
 
 #[test]
-fn a_cache_that_cannot_be_written_is_told_and_no_more() {
+fn a_cache_that_cannot_be_written_is_only_a_warning() {
     let project = gallop();
     project.write("file", "no folder");
     let report = run(&project, &["--cache", "file"]);
     let warnings = report["warnings"].to_string();
-    assert!(warnings.matches("results are not kept").count() == 1 && warnings.contains("--no-cache"), "{warnings}");
+    assert!(
+        warnings.matches("results are not cached").count() == 1 && warnings.contains("another folder"),
+        "{warnings}"
+    );
     assert_eq!(results(&project, "out").len(), 13);
 }
 
@@ -237,22 +292,22 @@ fn a_cache_that_cannot_be_written_is_told_and_no_more() {
 fn the_cache_is_shown_bounded_and_cleared() {
     let project = gallop();
     run(&project, &[]);
-    let shown = project.mimesh(&["cache"]).out;
+    let shown = project.mimesh(&["cache"]).stdout;
     assert!(shown.contains("pose") && shown.contains("12 results"), "{shown}");
     let bytes = || -> u64 {
-        let json: Value = serde_json::from_str(&project.mimesh(&["cache", "--json"]).out).expect("JSON");
+        let json: Value = serde_json::from_str(&project.mimesh(&["cache", "--json"]).stdout).expect("JSON");
         json["bytes"].as_u64().expect("bytes")
     };
     assert!(bytes() > 1 << 19, "{}", bytes());
     run(&project, &["--set", "transfer.reweightings=1", "--cache-limit", "1"]);
     assert!(bytes() <= 1 << 20, "{}", bytes());
-    assert!(project.mimesh(&["cache", "--clear"]).out.contains("removed"));
+    assert!(project.mimesh(&["cache", "--clear"]).stdout.contains("removed"));
     assert_eq!(bytes(), 0);
     assert_eq!(reused(&run(&project, &[])).1, 0);
 }
 
 #[test]
-fn frames_of_one_motion_are_kept_together() {
+fn frames_of_one_motion_are_cached_together() {
     let project = gallop();
     let motion = "type: multi_component, sequence: true";
     project.edit("type: gradient", motion);
@@ -265,43 +320,43 @@ fn frames_of_one_motion_are_kept_together() {
     // One frame is lost: all of them run, for each begins where the one before ended.
     let frame = entries(&project.cache().join("v1/frame"));
     fs::remove_file(&frame[5]).expect("a frame");
-    assert!(project.mimesh(&["plan", "p.yaml"]).out.contains("run 12 of 12"));
+    assert!(project.mimesh(&["plan", "p.yaml"]).stdout.contains("run 12 of 12"));
     let report = run(&project, &[]);
     assert_eq!(reused(&report), (stages(&[("proximity", true), ("correspondence", true), ("transfer", false)]), 0));
     assert_eq!(results(&project, "out"), expected);
 }
 
 #[test]
-fn what_metrics_said_is_kept_until_a_pose_the_truth_or_a_metric_changes() {
+fn metrics_are_cached_until_a_pose_the_truth_or_a_metric_changes() {
     let project = Project::new();
     for (pose, by) in [(1, 0.1), (2, 0.2), (10, 1.0)] {
         project.write(&format!("truth-{pose}.obj"), &common::leaning(by));
     }
     project.edit("output:", "truth: truth-{pose}.obj\noutput:");
-    let kept = |project: &Project| entries(project.cache()).len();
+    let cached = |project: &Project| entries(project.cache()).len();
     let judged = |report: &Value| -> Vec<Value> {
         let of = |pose: &Value| serde_json::json!([pose["metrics"], pose["nothing"], pose["verdict"], pose["figures"]]);
         report["poses"].as_array().expect("poses").iter().map(of).collect()
     };
     let first = run(&project, &[]);
     assert!(first["poses"][1]["metrics"]["point_error"]["mean"].as_f64() > Some(0.0));
-    let entries_of_first = kept(&project);
+    let entries_of_first = cached(&project);
     let second = run(&project, &[]);
-    assert_eq!(judged(&first), judged(&second), "what is kept comes back to the last bit");
-    assert_eq!((&first["metrics"], kept(&project)), (&second["metrics"], entries_of_first), "nothing was measured");
+    assert_eq!(judged(&first), judged(&second), "cached metrics come back to the last bit");
+    assert_eq!((&first["metrics"], cached(&project)), (&second["metrics"], entries_of_first), "nothing was measured");
 
     // Limits are no part of what is measured.
-    let said = project.mimesh(&["run", "p.yaml", "--json", "--set", "gates.point_error=0.001"]);
-    assert_eq!(said.status, 3, "{}", said.err);
-    assert_eq!(kept(&project), entries_of_first);
+    let output = project.mimesh(&["run", "p.yaml", "--json", "--set", "gates.point_error=0.001"]);
+    assert_eq!(output.status, 3, "{}", output.stderr);
+    assert_eq!(cached(&project), entries_of_first);
 
     project.write("truth-2.obj", &common::leaning(0.7));
     let third = run(&project, &[]);
     assert_eq!((&judged(&third)[0], &judged(&third)[2]), (&judged(&first)[0], &judged(&first)[2]));
     assert_ne!(judged(&third)[1], judged(&first)[1], "another truth");
-    let entries_of_third = kept(&project);
+    let entries_of_third = cached(&project);
     run(&project, &["--set", "metrics=[{ type: self_intersections }]"]);
-    assert_eq!(kept(&project), entries_of_third + 3, "another metric");
+    assert_eq!(cached(&project), entries_of_third + 3, "another metric");
     let page = run(&project, &["--set", "output=[\"out/{pose}.obj\", out/r.html]"]);
     assert_eq!(judged(&page), judged(&third), "pictures change no figure");
 }

@@ -1,44 +1,50 @@
+//! `mimesh cache`, and the options of the cache that several commands have.
+
 use std::path::PathBuf;
 
+use mimesh_document::{Diagnostic, Kind, diagnostic, files::hash_file};
+use mimesh_markers::IntoDiagnostic;
+use mimesh_pipeline::{
+    cache::{Cache, DEFAULT_LIMIT, WITHOUT_CACHE},
+    text::{bytes, count, pairs},
+};
 use serde_json::json;
 
-use super::{Ended, terminal};
-use crate::text::{bytes, count, pairs};
-use crate::{
-    diagnostic,
-    pipeline::cache::{Cache, DEFAULT_LIMIT},
-    status::Status,
-};
+use crate::cli::{CommandResult, status::Status, terminal};
 
-/// Where results are kept from run to run.
+/// The options of the cache.
 #[derive(Debug, clap::Args)]
 pub struct CacheOptions {
-    /// Keep results of stages in this folder [default: $MIMESH_CACHE, else mimesh in the user's folder for caches]
+    /// Cache results of stages in this folder [default: $MIMESH_CACHE, else mimesh in the user's folder for caches]
     #[arg(long, value_name = "DIR", conflicts_with = "no_cache")]
     cache: Option<PathBuf>,
-    /// Keep at most this many megabytes; what has not been used for longest goes first
+    /// Limit the cache to this many megabytes; the least recently used results are removed first
     #[arg(long, value_name = "MB", conflicts_with = "no_cache")]
     cache_limit: Option<u64>,
-    /// Compute everything, and keep nothing
+    /// Compute everything, and cache nothing
     #[arg(long)]
     no_cache: bool,
 }
 
 impl CacheOptions {
-    /// The cache, unless there is to be none.
+    /// Opens the cache; `None` with `--no-cache`.
+    ///
+    /// # Errors
+    ///
+    /// A diagnostic if there is no folder for it.
     pub fn open(&self) -> diagnostic::Result<Option<Cache>> {
         if self.no_cache {
             return Ok(None);
         }
         let limit = self.cache_limit.map_or(DEFAULT_LIMIT, |megabytes| megabytes.saturating_mul(1 << 20));
-        Cache::new(self.cache.as_deref(), limit).map(Some)
+        Cache::new(self.cache.as_deref(), limit, program()?).map(Some)
     }
 }
 
-/// Shows what is kept from earlier runs, or clears it.
+/// Shows the cached results of earlier runs, or clears them.
 ///
-/// Results of stages are kept under the hash of all that they depend on: they are never out of date, and may be cleared at any
-/// time.
+/// Results of stages are cached under the hash of everything they depend on. They are never out of date, and you may
+/// clear them at any time.
 #[derive(Debug, clap::Args)]
 #[command(
     name = "cache",
@@ -46,25 +52,25 @@ impl CacheOptions {
   mimesh cache
   mimesh cache --clear"
 )]
-pub struct ShowCache {
-    /// Remove all kept results
+pub struct CacheCommand {
+    /// Remove all cached results
     #[arg(long)]
     clear: bool,
-    /// The folder [default: $MIMESH_CACHE, else mimesh in the user's folder for caches]
+    /// The folder of the cache [default: $MIMESH_CACHE, else mimesh in the user's folder for caches]
     #[arg(long, value_name = "DIR")]
     cache: Option<PathBuf>,
-    /// Print as JSON
+    /// Print the usage as JSON
     #[arg(long)]
     json: bool,
 }
 
-impl ShowCache {
+impl CacheCommand {
     /// Runs the command.
-    pub fn run(&self) -> Ended {
-        let cache = Cache::new(self.cache.as_deref(), DEFAULT_LIMIT)?;
+    pub fn run(&self) -> CommandResult {
+        let cache = Cache::new(self.cache.as_deref(), DEFAULT_LIMIT, String::new())?;
         let folder = cache.store.folder();
         if self.clear {
-            let removed = cache.store.clear()?;
+            let removed = cache.store.clear().map_err(IntoDiagnostic::into_diagnostic)?;
             if self.json {
                 terminal::print_json(&json!({ "folder": folder, "removed": removed }));
             } else {
@@ -73,19 +79,30 @@ impl ShowCache {
             }
             return Ok(Status::Done);
         }
-        let kept = cache.store.kept();
-        let all: u64 = kept.values().map(|kept| kept.bytes).sum();
+        let usage = cache.store.usage();
+        let total: u64 = usage.values().map(|usage| usage.bytes).sum();
         if self.json {
-            terminal::print_json(&json!({ "folder": folder, "kept": kept, "bytes": all }));
+            terminal::print_json(&json!({ "folder": folder, "kept": usage, "bytes": total }));
         } else {
-            let rows = kept.iter().map(|(kind, kept)| {
-                (kind.clone(), format!("{}, {}", count(kept.entries, "result", "results"), bytes(kept.bytes)))
+            let rows = usage.iter().map(|(kind, usage)| {
+                (kind.clone(), format!("{}, {}", count(usage.entries, "result", "results"), bytes(usage.bytes)))
             });
             let mut text = format!("{}\n", folder.display());
             text += &pairs(&rows.collect::<Vec<_>>());
-            text += &format!("{} in all\n", bytes(all));
+            text += &format!("{} in total\n", bytes(total));
             terminal::print(&text);
         }
         Ok(Status::Done)
     }
+}
+
+/// The identity of this program for the cache: the hash of its own file.
+///
+/// An edited stage changes the hash, so that its results are computed anew even if its version stays.
+fn program() -> diagnostic::Result<String> {
+    let hash = std::env::current_exe().and_then(|file| hash_file(&file));
+    hash.map_err(|error| {
+        let message = format!("the program cannot read its own file, whose hash the cache needs: {error}");
+        Diagnostic::new(Kind::Internal, message).remedy(WITHOUT_CACHE, "", "run without the cache").into()
+    })
 }

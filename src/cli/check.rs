@@ -1,18 +1,23 @@
+//! `mimesh check`: the errors in a pipeline, without computing anything.
+
 use std::{collections::HashSet, path::PathBuf};
 
+use mimesh_document::diagnostic::{Diagnostic, Diagnostics};
 use serde_json::json;
-
-use super::{Ended, run::Overrides, terminal};
-use crate::text::{count, pairs};
-use crate::{
-    diagnostic::Diagnostic,
-    pipeline::{self, Prepared, check::PoseFrom},
-    status::Status,
+use {
+    mimesh_pipeline as pipeline,
+    mimesh_pipeline::{
+        Prepared,
+        input::{PoseFrom, PoseInput, RestMesh},
+        text::{count, pairs},
+    },
 };
 
-/// Finds the mistakes in a pipeline and in all runs that it declares, all at once, without computing anything.
+use crate::cli::{CommandResult, flags::with_flags, run::Overrides, status::Status, terminal};
+
+/// Finds all mistakes in a pipeline and in the runs that it declares, without computing anything.
 ///
-/// Reads the rest meshes and markers; poses are read with `--poses`.
+/// The command reads the rest meshes and the markers. With `--poses` it reads the poses too.
 #[derive(Debug, clap::Args)]
 pub struct Check {
     /// The pipeline's YAML file
@@ -29,29 +34,29 @@ pub struct Check {
 
 impl Check {
     /// Runs the command.
-    pub fn run(&self) -> Ended {
-        let checked = pipeline::prepare_all(&self.pipeline, &self.overrides.options()).and_then(|all| {
-            let diagnostics = if self.poses { wrong_poses(&all) } else { vec![] };
-            if diagnostics.is_empty() { Ok(all) } else { Err(crate::diagnostic::Diagnostics { diagnostics }) }
+    pub fn run(&self) -> CommandResult {
+        let checked = pipeline::prepare_all(&self.pipeline, &self.overrides.options(), None).and_then(|all| {
+            let list = if self.poses { unreadable_poses(&all) } else { vec![] };
+            Diagnostics { list }.into_result().map(|()| all)
         });
         match checked {
             Ok(all) if self.json => {
-                let runs: Vec<_> = all.iter().map(|one| &one.variant.name).filter(|name| !name.is_empty()).collect();
+                let runs: Vec<_> = all.iter().map(|run| &run.variant.name).filter(|name| !name.is_empty()).collect();
                 let warnings = warnings(&all);
                 terminal::print_json(&json!({ "ok": true, "mistakes": [], "warnings": warnings, "runs": runs }));
             }
             Ok(all) => {
                 warnings(&all).iter().for_each(|warning| terminal::warn(warning));
                 match &all[..] {
-                    [one] => terminal::print(&format!("ok: {}\n", overview(one))),
+                    [run] => terminal::print(&format!("ok: {}\n", overview(run))),
                     all => {
-                        let rows: Vec<_> = all.iter().map(|one| (one.variant.name.clone(), overview(one))).collect();
+                        let rows: Vec<_> = all.iter().map(|run| (run.variant.name.clone(), overview(run))).collect();
                         terminal::print(&format!("ok: {}\n{}", count(all.len(), "run", "runs"), pairs(&rows)));
                     }
                 }
             }
             Err(failure) if self.json => {
-                let diagnostics: Vec<_> = failure.diagnostics.iter().map(Diagnostic::to_json).collect();
+                let diagnostics: Vec<_> = failure.list.iter().map(|d| with_flags(d).to_json()).collect();
                 terminal::print_json(&json!({ "ok": false, "mistakes": diagnostics }));
                 return Ok(failure.kind().into());
             }
@@ -61,41 +66,46 @@ impl Check {
     }
 }
 
-/// The warnings of all runs, each once.
+/// The warnings of all runs, without repetitions.
 fn warnings(all: &[Prepared]) -> Vec<&String> {
     let mut seen = HashSet::new();
-    all.iter().flat_map(|one| &one.warnings).filter(|warning| seen.insert(*warning)).collect()
+    all.iter().flat_map(|run| &run.warnings).filter(|warning| seen.insert(*warning)).collect()
 }
 
+/// The sizes and the stages of a run, in a line.
 fn overview(prepared: &Prepared) -> String {
-    let mesh = |side: &pipeline::check::Side| count(side.sequence.rest.positions.len(), "vertex", "vertices");
     let files = prepared.outputs.meshes.iter().map(|output| output.files().len()).sum::<usize>();
-    let stage = |name: Option<&'static str>| name.unwrap_or("none");
+    let correspondence = prepared.pipeline.correspondence.as_ref().map(|stage| stage.typetag_name());
+    let transfer = prepared.pipeline.transfer.as_ref().map(|stage| stage.typetag_name());
     format!(
         "source of {}, {}; target of {}; {}; {} then {}; {} to write",
-        mesh(&prepared.source),
+        vertices(&prepared.source),
         count(prepared.poses.len(), "pose", "poses"),
-        mesh(&prepared.target),
+        vertices(&prepared.target),
         count(prepared.markers.len(), "marker", "markers"),
-        stage(prepared.pipeline.correspondence.as_ref().map(|stage| stage.typetag_name())),
-        stage(prepared.pipeline.transfer.as_ref().map(|stage| stage.typetag_name())),
+        correspondence.unwrap_or("none"),
+        transfer.unwrap_or("none"),
         count(files, "file", "files"),
     )
 }
 
-/// What is wrong with the files of poses, each of which is read once.
-fn wrong_poses(all: &[Prepared]) -> Vec<Diagnostic> {
+fn vertices(mesh: &RestMesh) -> String {
+    count(mesh.sequence.rest.positions.len(), "vertex", "vertices")
+}
+
+/// Reads the file of every pose once, and gives a diagnostic for each that is unusable.
+fn unreadable_poses(all: &[Prepared]) -> Vec<Diagnostic> {
     let mut seen = HashSet::new();
-    let read = |(prepared, pose): (&Prepared, &pipeline::check::PoseInput)| {
+    let read = |(prepared, pose): (&Prepared, &PoseInput)| {
         let PoseFrom::File(file) = &pose.from else { return None };
-        // Files of one name may be poses of another source.
+        // The same file may be a pose of several sources.
         if !seen.insert((file.clone(), prepared.source.path.clone())) {
             return None;
         }
         let rest = &prepared.source.sequence.rest;
         let format = prepared.formats.reader(file).ok()?;
-        let checked = format.read_pose(file, rest).and_then(|positions| crate::core::mesh::check_finite(&positions));
+        let checked = format.read_pose(file, rest).and_then(|positions| mimesh_core::mesh::check_finite(&positions));
         checked.err().map(|error| pipeline::check::in_file(file, error))
     };
-    all.iter().flat_map(|one| one.poses.iter().map(move |pose| (one, pose))).filter_map(read).collect()
+    all.iter().flat_map(|run| run.poses.iter().map(move |pose| (run, pose))).filter_map(read).collect()
 }

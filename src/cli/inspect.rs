@@ -1,16 +1,18 @@
-use std::path::PathBuf;
+//! `mimesh inspect`: the content and the defects of a mesh.
 
+use std::path::{Path, PathBuf};
+
+use mimesh_core::mesh::{Animation, MeshSequence, Part, Statistics};
+use mimesh_pipeline::{
+    Formats,
+    check::in_file,
+    text::{bytes, count, number, pairs, seconds, thousands},
+};
 use serde_json::{Value, json};
 
-use super::{Ended, components::ComponentGraph, terminal};
-use crate::text::{bytes, count, number, pairs, seconds, thousands};
-use crate::{
-    core::mesh::{MeshSequence, Statistics},
-    pipeline::{Formats, check::in_file},
-    status::Status,
-};
+use crate::cli::{CommandResult, components::ComponentGraph, status::Status, terminal};
 
-/// Looks at a mesh: counts, components, defects, size, parts, morph targets and animations.
+/// Shows the content of a mesh: counts, components, defects, size, parts, morph targets and animations.
 #[derive(Debug, clap::Args)]
 pub struct Inspect {
     /// The mesh's file
@@ -18,7 +20,7 @@ pub struct Inspect {
     /// Print everything as JSON
     #[arg(long)]
     json: bool,
-    /// List the components: number, name, vertices, and which others lie close
+    /// List the components: number, name, vertices and neighbours
     #[arg(long)]
     components: bool,
     /// Print the graph of components for Graphviz: `mimesh inspect MESH --graphviz | dot -Tsvg > graph.svg`
@@ -28,16 +30,16 @@ pub struct Inspect {
 
 impl Inspect {
     /// Runs the command.
-    pub fn run(&self) -> Ended {
+    pub fn run(&self) -> CommandResult {
         let file = &self.mesh;
         let formats = Formats::new(vec![]);
         let format = formats.reader_of(file)?;
-        let failed = |error| in_file(file, error);
-        let sequence = format.read(file).map_err(failed)?;
-        let statistics = Statistics::new(&sequence.rest).map_err(failed)?;
+        let with_file = |error| in_file(file, error);
+        let sequence = format.read(file).map_err(with_file)?;
+        let statistics = Statistics::new(&sequence.rest).map_err(with_file)?;
         let size = std::fs::metadata(file).map(|metadata| metadata.len()).unwrap_or_default();
         let graph = match self.components || self.graphviz {
-            true => Some(ComponentGraph::new(&sequence.rest).map_err(failed)?),
+            true => Some(ComponentGraph::new(&sequence.rest).map_err(with_file)?),
             false => None,
         };
         if self.json {
@@ -56,16 +58,15 @@ impl Inspect {
     }
 }
 
-fn as_json(file: &std::path::Path, size: u64, sequence: &MeshSequence, statistics: &Statistics) -> Value {
+fn as_json(file: &Path, bytes: u64, sequence: &MeshSequence, statistics: &Statistics) -> Value {
     let mesh = &sequence.rest;
-    let animation =
-        |a: &crate::core::mesh::Animation| json!({ "name": a.name, "seconds": a.seconds, "moves": a.channels });
-    let part = |part: &crate::core::mesh::Part| {
+    let animation = |a: &Animation| json!({ "name": a.name, "seconds": a.seconds, "moves": a.channels });
+    let part = |part: &Part| {
         let polygons = part.polygons.len();
         json!({ "object": part.object, "groups": part.groups, "material": part.material, "polygons": polygons })
     };
     json!({
-        "file": file, "bytes": size, "statistics": statistics, "unit_guess": unit(statistics.diagonal),
+        "file": file, "bytes": bytes, "statistics": statistics, "unit_guess": unit(statistics.diagonal),
         "texture_coordinates": mesh.texture_coordinates.is_some(), "normals": mesh.normals.is_some(),
         "parts": mesh.parts.iter().map(part).collect::<Vec<_>>(),
         "materials": mesh.materials.iter().map(|material| &material.name).collect::<Vec<_>>(),
@@ -76,6 +77,7 @@ fn as_json(file: &std::path::Path, size: u64, sequence: &MeshSequence, statistic
     })
 }
 
+/// The content of a mesh as text, below `title`.
 fn page(title: &str, sequence: &MeshSequence, s: &Statistics) -> String {
     let mesh = &sequence.rest;
     let mut rows: Vec<(String, String)> = Vec::new();
@@ -101,10 +103,8 @@ fn page(title: &str, sequence: &MeshSequence, s: &Statistics) -> String {
         let inside_out = if volume < 0.0 { " (negative: faces point inwards)" } else { "" };
         row("volume", number(volume) + inside_out);
     }
-    let has = |yes: bool| if yes { "yes" } else { "no" };
-    let attributes = (has(mesh.texture_coordinates.is_some()), has(mesh.normals.is_some()));
-    row("texture coords", attributes.0.into());
-    row("normals", attributes.1.into());
+    row("texture coords", yes_or_no(mesh.texture_coordinates.is_some()));
+    row("normals", yes_or_no(mesh.normals.is_some()));
     if mesh.parts.len() > 1 {
         row("parts", parts(sequence));
     }
@@ -116,10 +116,7 @@ fn page(title: &str, sequence: &MeshSequence, s: &Statistics) -> String {
         row("poses", format!("{}: {names}", sequence.poses.len()));
     }
     if !sequence.animations.is_empty() {
-        let told = |a: &crate::core::mesh::Animation| {
-            format!("{} ({}, {})", a.name, seconds(a.seconds), a.channels.join(", "))
-        };
-        row("animations", shortened(sequence.animations.iter().map(told).collect()));
+        row("animations", shortened(sequence.animations.iter().map(animation).collect()));
     }
     let defects = defects(s);
     row("defects", if defects.is_empty() { "none found".into() } else { defects.join("\n") });
@@ -130,9 +127,19 @@ fn page(title: &str, sequence: &MeshSequence, s: &Statistics) -> String {
     text
 }
 
+fn yes_or_no(value: bool) -> String {
+    if value { "yes" } else { "no" }.into()
+}
+
+/// An animation in words: its name, its duration, and what it moves.
+fn animation(animation: &Animation) -> String {
+    format!("{} ({}, {})", animation.name, seconds(animation.seconds), animation.channels.join(", "))
+}
+
+/// The number of polygons, by their corners, and of the triangles that they are cut into.
 fn polygons(s: &Statistics) -> String {
     let kinds = ["triangles", "quads", "with more corners"];
-    let told: Vec<_> = s
+    let by_kind: Vec<_> = s
         .triangles_quads_ngons
         .iter()
         .zip(kinds)
@@ -144,9 +151,10 @@ fn polygons(s: &Statistics) -> String {
     } else {
         format!("; {} triangles when cut", thousands(s.triangles))
     };
-    format!("{}: {}{cut}", thousands(s.polygons), told.join(", "))
+    format!("{}: {}{cut}", thousands(s.polygons), by_kind.join(", "))
 }
 
+/// The number of components and their sizes in vertices, the largest first.
 fn components(sizes: &[usize]) -> String {
     let mut sorted = sizes.to_vec();
     sorted.sort_unstable_by(|a, b| b.cmp(a));
@@ -160,8 +168,9 @@ fn components(sizes: &[usize]) -> String {
     }
 }
 
+/// The number of parts, and their names with their polygons.
 fn parts(sequence: &MeshSequence) -> String {
-    let name = |part: &crate::core::mesh::Part| {
+    let name = |part: &Part| {
         let names: Vec<_> = part.object.iter().chain(&part.groups).chain(&part.material).cloned().collect();
         format!(
             "{} ({})",
@@ -173,33 +182,31 @@ fn parts(sequence: &MeshSequence) -> String {
     format!("{}: {}", parts.len(), shortened(parts.iter().map(name).collect()))
 }
 
+/// The defects of a mesh, a line each.
 fn defects(s: &Statistics) -> Vec<String> {
-    let told = |found: usize, one: &str, many: &str| (found > 0).then(|| count(found, one, many));
+    let non_manifold = "edge of more than two triangles";
     [
-        told(
-            s.non_manifold_edges,
-            "edge of more than two triangles",
-            "edges of more than two triangles (non-manifold)",
-        ),
-        told(s.degenerate_triangles, "triangle without area", "triangles without area"),
-        told(s.duplicate_polygons, "duplicate polygon", "duplicate polygons"),
-        told(s.unreferenced_vertices, "vertex that no polygon uses", "vertices that no polygon uses"),
-        told(s.coincident_vertices, "vertex at the place of another", "vertices at the place of another"),
+        (s.non_manifold_edges, non_manifold, "edges of more than two triangles (non-manifold)"),
+        (s.degenerate_triangles, "triangle without area", "triangles without area"),
+        (s.duplicate_polygons, "duplicate polygon", "duplicate polygons"),
+        (s.unreferenced_vertices, "vertex that no polygon uses", "vertices that no polygon uses"),
+        (s.coincident_vertices, "vertex at the place of another", "vertices at the place of another"),
     ]
     .into_iter()
-    .flatten()
+    .filter(|(found, ..)| *found > 0)
+    .map(|(found, one, many)| count(found, one, many))
     .collect()
 }
 
-/// The first of many names, and how many more there are.
+/// The first names, and the number of the others.
 fn shortened(names: Vec<String>) -> String {
-    const MOST: usize = 12;
-    let more = names.len().saturating_sub(MOST);
+    const MAX_SHOWN: usize = 12;
+    let more = names.len().saturating_sub(MAX_SHOWN);
     let shown = names[..names.len() - more].join(", ");
     if more == 0 { shown } else { format!("{shown} and {more} more") }
 }
 
-/// What the unit may be, if the mesh is a person, a face or an animal.
+/// The probable unit of a mesh with this diagonal, if it is a person, a face or an animal.
 fn unit(diagonal: f64) -> &'static str {
     match diagonal {
         d if d.is_nan() || d <= 0.0 => "no size",

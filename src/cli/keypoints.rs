@@ -1,3 +1,5 @@
+//! `mimesh keypoints`: the points of the source that are worth a marker.
+
 use std::{
     io::Write,
     path::{Path, PathBuf},
@@ -6,39 +8,42 @@ use std::{
 };
 
 use indicatif::{ProgressBar, ProgressStyle};
+use mimesh_core::{
+    mesh::MeshPoint,
+    stage::{ChoiceStep, ChoiceWatch},
+};
+use mimesh_document::diagnostic::{Diagnostic, Kind, Location, Result};
+use mimesh_markers::{self, MarkerFile};
 use serde_json::json;
-
-use super::{Ended, terminal};
-use crate::{
-    core::stage::{ChoiceStep, ChoiceWatch},
-    diagnostic::{Diagnostic, Kind, Location, Result},
-    markers::{self, MarkerFile},
-    pipeline::{self, Options, PreparedSource, key_points, staging},
-    status::Status,
+use {
+    mimesh_pipeline as pipeline,
+    mimesh_pipeline::{Options, PreparedSource, key_points, staging},
 };
 
-/// Chooses the few points of the source that tell its poses best, and writes them as markers to be completed.
+use crate::cli::{CommandResult, status::Status, terminal};
+
+/// Chooses the few points of the source that describe its poses best, and writes them as markers to complete.
 ///
-/// Looks at the pipeline's source, its poses and `key_points`. The file has the source side of every marker, with a note of
-/// where it is; write the target's vertices in, and run the pipeline.
+/// The command uses the pipeline's source, its poses and `key_points`. The file has the source side of every marker,
+/// with a note on its place. Fill in the vertices of the target, then run the pipeline.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   mimesh keypoints horse.yaml
   mimesh keypoints horse.yaml --set key_points.max_count=12 --output horse.markers.yaml
-  mimesh keypoints horse.yaml --resume        goes on where it was interrupted, and keeps targets found so far")]
+  mimesh keypoints horse.yaml --resume        continue, with the targets filled in so far")]
 pub struct KeyPoints {
     /// The pipeline's YAML file
     pipeline: PathBuf,
-    /// Where to write the markers [default: `markers` of the pipeline, else PIPELINE.markers.yaml]
+    /// Write the markers into this file [default: `markers` of the pipeline, else PIPELINE.markers.yaml]
     #[arg(long, short, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// Write the curve of errors over the number of points into this SVG file
+    /// Write the curve of the error over the number of points into this SVG file
     #[arg(long, value_name = "FILE")]
     curve: Option<PathBuf>,
-    /// Start from the points that the file of markers has already
+    /// Continue from the points that are in the file of markers
     #[arg(long)]
     resume: bool,
-    /// Replace the file of markers if there is one
+    /// Replace an existing file of markers
     #[arg(long, conflicts_with = "resume")]
     force: bool,
     /// Replace a value of the pipeline, e.g. key_points.threshold=0.02
@@ -47,43 +52,45 @@ pub struct KeyPoints {
     /// Print the points and the steps as JSON
     #[arg(long)]
     json: bool,
-    /// Tell nothing but errors
+    /// Print errors only
     #[arg(long, short)]
     quiet: bool,
 }
 
+/// The first line of the file of markers.
+const HEADER: &str =
+    "# Key points of the source. After each `target:` write the vertex of the target at the same place.\n";
+
 impl KeyPoints {
     /// Runs the command.
-    pub fn run(&self) -> Ended {
+    pub fn run(&self) -> CommandResult {
         let options = Options { settings: self.settings.clone(), out: None };
         let prepared = pipeline::prepare_source(&self.pipeline, &options)?;
-        let output = self.place(&prepared);
-        let before = self.before(&output)?;
+        let output = self.output_file(&prepared);
+        let previous = self.previous_markers(&output)?;
 
         static INTERRUPTED: AtomicBool = AtomicBool::new(false);
-        // The second interrupt does not wait for the step on its way.
+        // The first interrupt ends the choice after its current step, the second ends the program at once.
         let _ = ctrlc::set_handler(|| {
             if INTERRUPTED.swap(true, Ordering::Relaxed) {
                 staging::discard_all_and_exit(Status::Interrupted as u8);
             }
         });
-        let telling = Telling::new(self.quiet, &INTERRUPTED);
+        let progress = ChoiceProgress::new(self.quiet, &INTERRUPTED);
         let started = Instant::now();
-        let chosen = key_points::choose(&prepared, &before, &telling);
-        telling.bar.finish_and_clear();
+        let chosen = key_points::choose(&prepared, &previous, &progress);
+        progress.bar.finish_and_clear();
         let chosen = chosen?;
         let interrupted = INTERRUPTED.load(Ordering::Relaxed);
 
-        let file = key_points::to_complete(&prepared, &chosen.points, &before);
-        let told =
-            "# Key points of the source. Behind each `target:` write the vertex of the target at the same place.\n";
-        let text = format!("{told}{}", markers::yaml::write(&file));
+        let file = key_points::to_complete(&prepared, &chosen.points, &previous);
+        let text = format!("{HEADER}{}", mimesh_markers::formats::yaml::write(&file));
         let mut staged = vec![staging::stage_bytes(&output, text.as_bytes())?];
         if let Some(path) = &self.curve {
             staged.push(staging::stage_bytes(path, key_points::curve(&chosen.steps).as_bytes())?);
         }
         let written = staging::commit(staged)?;
-        let open = file.entries.iter().filter(|entry| entry.target.is_none()).count();
+        let open = file.pairs.iter().filter(|pair| pair.target.is_none()).count();
         if self.json {
             let steps: Vec<_> = chosen
                 .steps
@@ -91,14 +98,17 @@ impl KeyPoints {
                 .map(|s| json!({ "points": s.points.len(), "error": s.error, "exchanged": s.exchanged }))
                 .collect();
             terminal::print_json(&json!({
-                "markers": output, "points": file.entries.iter().map(|e| point(e.source)).collect::<Vec<_>>(),
+                "markers": output, "points": file.pairs.iter().map(|pair| point_json(pair.source)).collect::<Vec<_>>(),
                 "targets_to_find": open, "steps": steps, "figures": chosen.figures, "interrupted": interrupted,
                 "seconds": started.elapsed().as_secs_f64(),
             }));
         } else if !self.quiet {
             chosen.figures.warnings.iter().for_each(|warning| terminal::warn(warning));
             let error = chosen.steps.last().map_or(String::new(), |step| {
-                format!(", error {:.4} (mean distance to the poses, the source in the unit sphere)", step.error)
+                format!(
+                    ", error {:.4} (mean distance to the poses, with the source scaled to the unit sphere)",
+                    step.error
+                )
             });
             let (count, seconds) = (chosen.points.len(), started.elapsed().as_secs_f64());
             let mut text = format!("{count} key points{error}, {seconds:.1} s\n");
@@ -107,7 +117,7 @@ impl KeyPoints {
             }
             if open > 0 {
                 text.push_str(&format!(
-                    "{open} targets are to be found: write a vertex of the target behind each `target:`\n"
+                    "{open} targets are missing: write a vertex of the target after each `target:`\n"
                 ));
             }
             terminal::print(&text);
@@ -115,20 +125,23 @@ impl KeyPoints {
         Ok(if interrupted { Status::Interrupted } else { Status::Done })
     }
 
-    /// The file of markers.
-    fn place(&self, prepared: &PreparedSource) -> PathBuf {
+    /// The file of markers to write.
+    fn output_file(&self, prepared: &PreparedSource) -> PathBuf {
         let of_pipeline = || prepared.markers.clone().filter(|path| is_yaml(path));
         self.output.clone().or_else(of_pipeline).unwrap_or_else(|| self.pipeline.with_extension("markers.yaml"))
     }
 
-    /// The markers that are there already, if they are to be gone on from.
-    fn before(&self, output: &Path) -> Result<MarkerFile> {
+    /// The markers to continue from; none without `--resume`.
+    fn previous_markers(&self, output: &Path) -> Result<MarkerFile> {
         if !is_yaml(output) {
-            let diagnostic = Diagnostic::new(Kind::Usage, "key points are written as .yaml, which has room for notes");
+            let diagnostic = Diagnostic::new(
+                Kind::Usage,
+                "key points are written as .yaml, because other files of markers have no notes",
+            );
             return Err(diagnostic.at(Location::File(output.into())).hint("give `--output FILE.yaml`").into());
         }
         if self.resume {
-            return if output.is_file() { markers::read(output) } else { Ok(MarkerFile::default()) };
+            return if output.is_file() { mimesh_markers::read_markers(output) } else { Ok(MarkerFile::default()) };
         }
         if output.exists() && !self.force {
             let diagnostic = Diagnostic::new(Kind::CannotWrite, "there are markers already");
@@ -143,36 +156,36 @@ fn is_yaml(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension == "yaml" || extension == "yml")
 }
 
-fn point(point: crate::core::mesh::SurfacePoint) -> serde_json::Value {
+fn point_json(point: MeshPoint) -> serde_json::Value {
     match point {
-        crate::core::mesh::SurfacePoint::Vertex(vertex) => json!(vertex),
-        crate::core::mesh::SurfacePoint::Triangle(triangle, barycentric) => {
+        MeshPoint::Vertex(vertex) => json!(vertex),
+        MeshPoint::Triangle(triangle, barycentric) => {
             json!({ "triangle": triangle, "barycentric": barycentric })
         }
     }
 }
 
-/// Tells of steps: a bar on a terminal, lines elsewhere.
-struct Telling<'a> {
+/// Shows the steps of the choice: a bar on a terminal, lines elsewhere.
+struct ChoiceProgress<'a> {
     bar: ProgressBar,
     lines: bool,
     interrupted: &'a AtomicBool,
 }
 
-impl<'a> Telling<'a> {
+impl<'a> ChoiceProgress<'a> {
     fn new(quiet: bool, interrupted: &'a AtomicBool) -> Self {
-        let bar = if quiet || !terminal::lively() { ProgressBar::hidden() } else { ProgressBar::new(1) };
+        let bar = if quiet || !terminal::is_interactive() { ProgressBar::hidden() } else { ProgressBar::new(1) };
         let template = "{msg}  {bar:24} {pos}/{len}  {elapsed}";
         let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
         bar.set_style(style.progress_chars("=> "));
-        Self { bar, lines: !quiet && !terminal::lively(), interrupted }
+        Self { bar, lines: !quiet && !terminal::is_interactive(), interrupted }
     }
 }
 
-impl ChoiceWatch for Telling<'_> {
+impl ChoiceWatch for ChoiceProgress<'_> {
     fn step(&self, step: &ChoiceStep) {
-        let what = if step.exchanged { "exchanged" } else { "added" };
-        let text = format!("{} key points, error {:.4} ({what})", step.points.len(), step.error);
+        let action = if step.exchanged { "exchanged" } else { "added" };
+        let text = format!("{} key points, error {:.4} ({action})", step.points.len(), step.error);
         if self.lines {
             let _ = writeln!(std::io::stderr(), "{text}");
         }

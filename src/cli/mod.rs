@@ -1,31 +1,37 @@
-//! The command line: one file a subcommand. What is computed goes to stdout, everything else to stderr.
+//! The command line: one file for each subcommand. Results go to stdout, everything else to stderr.
 
-mod bench_quality;
 mod cache;
 mod check;
+mod choice;
 mod compare;
 mod completions;
 mod components;
+mod flags;
 mod inspect;
 mod keypoints;
 mod list;
 mod markers;
 mod new;
 mod plan;
+mod posed_meshes;
 mod progress;
+mod registry;
 mod render;
+mod results_file;
 mod run;
 mod schema;
 mod score;
 mod show;
+mod status;
 mod summary;
 mod terminal;
 
 use std::process::ExitCode;
 
 use clap::{CommandFactory, Parser, Subcommand};
+use mimesh_document::diagnostic;
 
-use crate::{diagnostic, status::Status};
+use crate::cli::status::Status;
 
 /// Deformation transfer between triangle meshes: a target takes the poses of a source, as a YAML pipeline declares.
 #[derive(Debug, Parser)]
@@ -34,8 +40,8 @@ use crate::{diagnostic, status::Status};
     version,
     max_term_width = 100,
     after_help = "Examples:
-  mimesh run pipelines/gallop.yaml        made animals, nothing to download
-  mimesh check horse-to-camel.yaml        find diagnostics without computing
+  mimesh run pipelines/gallop.yaml        generated animals, nothing to download
+  mimesh check horse-to-camel.yaml        find errors without computing
   mimesh show transfer gradient           settings of a stage
 
 Exit status: 0 done, 1 internal error, 2 usage, 3 a quality gate failed, 4 partly done, 65 bad data,
@@ -50,27 +56,26 @@ struct Cli {
 enum Command {
     Run(run::Run),
     Check(check::Check),
-    Plan(plan::PlanRun),
+    Plan(plan::PlanCommand),
     #[command(name = "keypoints")]
     KeyPoints(keypoints::KeyPoints),
     Markers(markers::Markers),
     List(list::List),
     Show(show::Show),
-    Schema(schema::SchemaOf),
+    Schema(schema::Schema),
     Inspect(inspect::Inspect),
     Score(score::Score),
     Compare(compare::Compare),
     Render(render::Render),
-    BenchQuality(bench_quality::BenchQuality),
-    Cache(cache::ShowCache),
+    Cache(cache::CacheCommand),
     New(new::New),
     Completions(completions::Completions),
 }
 
-/// Runs the command line of this process and gives its exit status.
+/// Runs the command line of this process and returns its exit status.
 ///
-/// A program with its own stages calls this too; it has every command, and its own stages beside those that are
-/// bundled.
+/// A program with its own stages calls this function too. It gets every command, and its own stages beside the
+/// bundled ones.
 pub fn main() -> ExitCode {
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
@@ -92,7 +97,6 @@ pub fn main() -> ExitCode {
         Command::Score(command) => command.run(),
         Command::Compare(command) => command.run(),
         Command::Render(command) => command.run(),
-        Command::BenchQuality(command) => command.run(),
         Command::Cache(command) => command.run(),
         Command::New(command) => command.run(),
         Command::Completions(command) => command.run(Cli::command()),
@@ -100,11 +104,11 @@ pub fn main() -> ExitCode {
     match result {
         Ok(status) => status.into(),
         Err(failure) => {
-            terminal::tell(&failure);
+            terminal::report(&failure);
             Status::from(failure.kind()).into()
         }
     }
 }
 
-/// What a command ends with.
-type Ended = diagnostic::Result<Status>;
+/// The exit status of a command, or the diagnostics that stopped it.
+type CommandResult = diagnostic::Result<Status>;

@@ -1,27 +1,28 @@
+//! `mimesh plan`: the steps of a run, without running them.
+
 use std::path::PathBuf;
 
 use serde_json::json;
-
-use super::{Ended, cache::CacheOptions, run::Overrides, terminal};
-use crate::text::pairs;
-use crate::{
-    pipeline::{
-        self,
-        plan::{Action, Plan},
+use {
+    mimesh_pipeline as pipeline,
+    mimesh_pipeline::{
+        plan::{Action, Plan, PlannedStep},
+        text::pairs,
     },
-    status::Status,
 };
 
-/// Tells what a run would do: which stages run, which results are kept from earlier runs, and why.
+use crate::cli::{CommandResult, cache::CacheOptions, run::Overrides, status::Status, terminal};
+
+/// Shows what a run would do: which stages run, which results come from the cache, and why.
 ///
-/// Meshes are read and checked as by `check`; nothing is computed or written.
+/// The command reads and checks the meshes as `check` does. It computes and writes nothing.
 #[derive(Debug, clap::Args)]
 #[command(
     name = "plan",
     after_help = "Example:
   mimesh plan horse-to-camel.yaml --set transfer.deformer.lambda=5"
 )]
-pub struct PlanRun {
+pub struct PlanCommand {
     /// The pipeline's YAML file
     pipeline: PathBuf,
     #[command(flatten)]
@@ -33,12 +34,12 @@ pub struct PlanRun {
     json: bool,
 }
 
-impl PlanRun {
+impl PlanCommand {
     /// Runs the command.
-    pub fn run(&self) -> Ended {
-        let all = pipeline::prepare_all(&self.pipeline, &self.overrides.options())?;
+    pub fn run(&self) -> CommandResult {
         let cache = self.cache.open()?;
-        let plans: Vec<_> = all.iter().map(|prepared| pipeline::plan::plan(prepared, cache.as_ref())).collect();
+        let all = pipeline::prepare_all(&self.pipeline, &self.overrides.options(), cache.as_ref())?;
+        let plans: Vec<_> = all.iter().map(|prepared| Plan::new(prepared, cache.as_ref())).collect();
         match (&plans[..], self.json) {
             ([plan], true) => terminal::print_json(plan),
             ([plan], false) => terminal::print(&text(plan)),
@@ -50,7 +51,8 @@ impl PlanRun {
                 terminal::print_json(&named.collect::<Vec<_>>());
             }
             (_, false) => {
-                let named = all.iter().zip(&plans).map(|(of, plan)| format!("{}\n{}", of.variant.name, text(plan)));
+                let named =
+                    all.iter().zip(&plans).map(|(prepared, plan)| format!("{}\n{}", prepared.variant.name, text(plan)));
                 terminal::print(&named.collect::<Vec<_>>().join("\n"));
             }
         }
@@ -58,17 +60,19 @@ impl PlanRun {
     }
 }
 
-/// A line a stage.
+/// The plan as text, with one line for each step.
 fn text(plan: &Plan) -> String {
-    let row = |step: &pipeline::plan::PlannedStep| {
-        let what = if step.name.is_empty() { step.stage.into() } else { format!("{} ({})", step.stage, step.name) };
-        let action = match step.action {
-            Action::Run if step.of > 1 => format!("run {} of {}", step.runs, step.of),
-            Action::Run => "run".into(),
-            Action::Reuse => "reuse".into(),
-            Action::Skip => "skip".into(),
-        };
-        (what, format!("{action}: {}", step.why))
-    };
     pairs(&plan.steps.iter().map(row).collect::<Vec<_>>())
+}
+
+/// A step, and what is done with it.
+fn row(step: &PlannedStep) -> (String, String) {
+    let name = if step.name.is_empty() { step.stage.into() } else { format!("{} ({})", step.stage, step.name) };
+    let action = match step.action {
+        Action::Run if step.of > 1 => format!("run {} of {}", step.runs, step.of),
+        Action::Run => "run".into(),
+        Action::Reuse => "reuse".into(),
+        Action::Skip => "skip".into(),
+    };
+    (name, format!("{action}: {}", step.why))
 }

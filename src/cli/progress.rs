@@ -1,4 +1,4 @@
-//! How a run gets on: a bar on a terminal, plain lines elsewhere, on stderr.
+//! The progress of a run on stderr: a bar on a terminal, plain lines elsewhere.
 
 use std::{
     io::Write,
@@ -7,43 +7,46 @@ use std::{
 };
 
 use indicatif::{ProgressBar, ProgressStyle};
+use mimesh_pipeline::Progress;
 
-use super::terminal::lively;
-use crate::pipeline::Watch;
+use crate::cli::terminal::is_interactive;
 
-/// Without a terminal, poses are told at most this often.
+/// The shortest time between two plain lines on poses.
 const PLAIN_INTERVAL: Duration = Duration::from_secs(10);
 
-/// Tells how a run gets on.
-pub enum Progress {
-    /// On a terminal.
+/// Shows the progress of a run.
+pub enum TerminalProgress {
+    /// Draws a bar, on a terminal.
     Bar(ProgressBar),
-    /// Elsewhere.
+    /// Prints lines, where there is no terminal.
     Plain(Mutex<Plain>),
-    /// With `--quiet`.
+    /// Shows nothing, with `--quiet`.
     Silent,
 }
 
-/// What has been told in plain lines.
+/// The state of plain lines.
 pub struct Plain {
+    /// The number of poses.
     count: usize,
+    /// The number of poses that are done.
     done: usize,
-    told: Instant,
+    /// The time of the last line.
+    last_line: Instant,
 }
 
-impl Progress {
-    /// The kind that fits stderr.
+impl TerminalProgress {
+    /// Creates the kind that fits stderr.
     pub fn new(quiet: bool) -> Self {
         if quiet {
             Self::Silent
-        } else if lively() {
+        } else if is_interactive() {
             Self::Bar(ProgressBar::new_spinner())
         } else {
-            Self::Plain(Mutex::new(Plain { count: 0, done: 0, told: Instant::now() }))
+            Self::Plain(Mutex::new(Plain { count: 0, done: 0, last_line: Instant::now() }))
         }
     }
 
-    /// Leaves the terminal as it was.
+    /// Removes the bar from the terminal.
     pub fn finish(&self) {
         if let Self::Bar(bar) = self {
             bar.finish_and_clear();
@@ -51,15 +54,15 @@ impl Progress {
     }
 }
 
-impl Watch for Progress {
-    fn stage(&self, what: &str) {
+impl Progress for TerminalProgress {
+    fn stage(&self, name: &str) {
         match self {
             Self::Bar(bar) => {
                 bar.set_style(style("{spinner} {msg}  {elapsed}"));
-                bar.set_message(what.to_owned());
+                bar.set_message(name.to_owned());
                 bar.enable_steady_tick(Duration::from_millis(100));
             }
-            Self::Plain(_) => say(what),
+            Self::Plain(_) => print_line(name),
             Self::Silent => {}
         }
     }
@@ -72,9 +75,9 @@ impl Watch for Progress {
                 bar.set_style(style("poses  {bar:30} {pos}/{len}  {elapsed}, {eta} left"));
             }
             Self::Plain(plain) => {
-                say(&format!("poses (0 of {count})"));
+                print_line(&format!("poses (0 of {count})"));
                 if let Ok(mut plain) = plain.lock() {
-                    *plain = Plain { count, done: 0, told: Instant::now() };
+                    *plain = Plain { count, done: 0, last_line: Instant::now() };
                 }
             }
             Self::Silent => {}
@@ -87,9 +90,9 @@ impl Watch for Progress {
             Self::Plain(plain) => {
                 if let Ok(mut plain) = plain.lock() {
                     plain.done += 1;
-                    if plain.told.elapsed() >= PLAIN_INTERVAL && plain.done < plain.count {
-                        say(&format!("poses ({} of {})", plain.done, plain.count));
-                        plain.told = Instant::now();
+                    if plain.last_line.elapsed() >= PLAIN_INTERVAL && plain.done < plain.count {
+                        print_line(&format!("poses ({} of {})", plain.done, plain.count));
+                        plain.last_line = Instant::now();
                     }
                 }
             }
@@ -98,10 +101,12 @@ impl Watch for Progress {
     }
 }
 
+/// The style of a bar.
 fn style(template: &str) -> ProgressStyle {
     ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar()).progress_chars("=> ")
 }
 
-fn say(text: &str) {
+/// Prints a line on stderr.
+fn print_line(text: &str) {
     let _ = writeln!(std::io::stderr(), "{text}");
 }

@@ -1,28 +1,31 @@
-use std::{
-    collections::HashSet,
-    path::{Path, PathBuf},
-    time::Instant,
+//! `mimesh run`: the runs that a pipeline declares, and their results.
+
+use std::{collections::HashSet, path::PathBuf, time::Instant};
+
+use mimesh_document::diagnostic::{Diagnostics, Kind, Result};
+use {
+    mimesh_pipeline as pipeline,
+    mimesh_pipeline::{
+        Finished, Options, Plan, Prepared, Progress as _,
+        cache::Cache,
+        metrics::Level,
+        report::{Results, Row, RunOutcome},
+        staging,
+    },
 };
 
-use super::{cache::CacheOptions, progress::Progress, summary, terminal};
-use crate::{
-    diagnostic::{Diagnostic, Kind, Location, Result},
-    pipeline::{
-        self, Options, Outcome, Prepared, Watch,
-        cache::Cache,
-        compose::{Ended, Results, Row},
-        judge::Level,
-        resolve, staging,
-    },
-    status::Status,
+use crate::cli::{
+    cache::CacheOptions, flags::with_flags, progress::TerminalProgress, results_file::ResultsFile, status::Status,
+    summary, terminal,
 };
 
 /// Runs a pipeline: pairs the meshes, transfers every pose and writes the results.
 ///
-/// Several targets and a matrix of settings make several runs, one after the other, with a table of results at the end; one
-/// that fails does not stop the others.
-/// Beside the first result a `run.json` records settings, inputs and figures. Inputs are never overwritten, and a run
-/// that fails leaves what was there before.
+/// Several targets or a matrix of settings make several runs, with a table of results at the end. A run that fails does
+/// not stop the others.
+///
+/// Beside the first result, `run.json` records settings, inputs and statistics. Inputs are never overwritten. A run
+/// that fails leaves earlier results as they were.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   mimesh run horse-to-camel.yaml
@@ -39,30 +42,30 @@ pub struct Run {
     /// Threads to use; results do not depend on their number [default: all]
     #[arg(long, value_name = "N", value_parser = threads)]
     threads: Option<u16>,
-    /// Write the table of results into this file too, as .csv or .md
+    /// Also write the table of results into this file, as .csv or .md
     #[arg(long, value_name = "FILE")]
     table: Option<PathBuf>,
-    /// Print the report (the contents of run.json, or of several runs a list) to stdout instead of the summary
+    /// Print the report as JSON instead of the summary: run.json, or the table of several runs with their reports
     #[arg(long)]
     json: bool,
-    /// Tell nothing but errors
+    /// Print errors only
     #[arg(long, short)]
     quiet: bool,
 }
 
-/// What `run` and `check` let the command line change.
+/// The options that change a pipeline without its file.
 #[derive(Debug, clap::Args)]
 pub struct Overrides {
-    /// Replace a value of the file, e.g. transfer.type=gradient; the value is YAML, its paths relative to the file
+    /// Replace a value of the file, e.g. transfer.type=gradient; the value is YAML, its paths are relative to the file
     #[arg(long = "set", value_name = "KEY=VALUE")]
     settings: Vec<String>,
-    /// Write all results into this folder instead; those of several runs each into a folder of its name in it
+    /// Write all results into this folder instead; each of several runs gets a folder of its name in it
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
 
 impl Overrides {
-    /// As the pipeline takes them.
+    /// The same as options of the pipeline crate.
     pub fn options(&self) -> Options {
         Options { settings: self.settings.clone(), out: self.out.clone() }
     }
@@ -70,98 +73,108 @@ impl Overrides {
 
 impl Run {
     /// Runs the command.
-    pub fn run(&self) -> super::Ended {
+    pub fn run(&self) -> super::CommandResult {
         // Without a handler an interrupt would leave files that are half written.
         let _ = ctrlc::set_handler(|| staging::discard_all_and_exit(Status::Interrupted as u8));
-        let table = self.table.as_deref().map(Table::at).transpose()?;
-        let all = pipeline::prepare_all(&self.pipeline, &self.overrides.options())?;
+        let table = self.table.as_deref().map(ResultsFile::new).transpose()?;
+        let cache = self.cache.open()?;
+        let all = pipeline::prepare_all(&self.pipeline, &self.overrides.options(), cache.as_ref())?;
         if let Some(table) = &table {
             table.check(&all)?;
         }
-        let cache = self.cache.open()?;
-        let mut told = HashSet::new();
+        let mut shown_warnings = HashSet::new();
         let mut results = Results { pipeline: self.pipeline.clone(), rows: vec![] };
-        let several = all.len() > 1;
         for (i, prepared) in all.iter().enumerate() {
             let started = Instant::now();
-            let progress = Progress::new(self.quiet);
-            if several {
+            let progress = TerminalProgress::new(self.quiet);
+            if all.len() > 1 {
                 progress.stage(&format!("{} ({} of {})", prepared.variant.name, i + 1, all.len()));
             }
-            // Before what they warn of may fail.
-            self.warn(&prepared.warnings, &mut told);
-            let outcome = self.one(prepared, cache.as_ref(), &progress);
+            // The run may fail for the reason that a warning gives, so that warnings come first.
+            self.warn(&prepared.warnings, &mut shown_warnings);
+            let finished = self.run_one(prepared, cache.as_ref(), &progress);
             progress.finish();
-            let ended = match outcome {
-                // What is wrong with a single run is told as ever.
-                Err(failure) if !several => return Err(failure),
-                Err(failure) => {
-                    let of_run = |diagnostic: Diagnostic| diagnostic.doing(&prepared.variant.name);
-                    let diagnostics: Vec<_> = failure.diagnostics.into_iter().map(of_run).collect();
-                    diagnostics.iter().for_each(terminal::tell_one);
-                    Ended::Failed(diagnostics)
-                }
-                Ok(outcome) => {
-                    outcome.failed.iter().for_each(terminal::tell_one);
-                    // A gate that breaks is what an exit status of 3 is about, so that it is told where the summary is not.
-                    if self.json || self.quiet {
-                        let broken = summary::reasons(&outcome.report, Level::Failed);
-                        broken.iter().for_each(|line| terminal::warn(line));
-                    }
-                    self.warn(&outcome.report.warnings, &mut told);
-                    Ended::Report(Box::new(outcome.report))
-                }
+            let outcome = match finished {
+                Ok(finished) => self.report(finished, &mut shown_warnings),
+                // A single run that fails is the failure of the command.
+                Err(failure) if all.len() == 1 => return Err(failure),
+                Err(failure) => report_failure(failure, &prepared.variant.name),
             };
             results.rows.push(Row {
                 variant: prepared.variant.clone(),
                 place: prepared.outputs.report.clone(),
-                ended,
+                outcome,
                 seconds: started.elapsed().as_secs_f64() + prepared.reading.seconds,
             });
         }
         if let Some(table) = &table {
             table.write(&results)?;
         }
-        self.tell(&results);
+        self.print(&results);
         Ok(status(&results))
     }
 
-    /// Runs one of the runs that the pipeline declares.
-    fn one(&self, prepared: &Prepared, cache: Option<&Cache>, progress: &Progress) -> Result<Outcome> {
+    /// Plans and executes one of the declared runs.
+    fn run_one(&self, prepared: &Prepared, cache: Option<&Cache>, progress: &TerminalProgress) -> Result<Finished> {
         let threads = self.threads.map_or(0, usize::from);
-        pipeline::run(prepared, &self.overrides.settings, threads, cache, progress)
+        let plan = Plan::new(prepared, cache);
+        pipeline::run(prepared, &plan, threads, cache, progress)
     }
 
-    /// Warnings that have not been told yet, where anything is told.
-    fn warn(&self, warnings: &[String], told: &mut HashSet<String>) {
-        if !self.json && !self.quiet {
-            warnings
-                .iter()
-                .filter(|warning| told.insert((*warning).clone()))
-                .for_each(|warning| terminal::warn(warning));
+    /// Shows the failed poses and the warnings of a run that has results.
+    fn report(&self, finished: Finished, shown_warnings: &mut HashSet<String>) -> RunOutcome {
+        finished.failed.iter().for_each(terminal::report_one);
+        // A broken gate explains exit status 3. Without a summary nothing else would name it.
+        if self.json || self.quiet {
+            let broken_gates = summary::reasons(&finished.report, Level::Failed);
+            broken_gates.iter().for_each(|line| terminal::warn(line));
+        }
+        self.warn(&finished.report.warnings, shown_warnings);
+        RunOutcome::Report(Box::new(finished.report))
+    }
+
+    /// Shows the warnings that have not been shown yet, unless `--json` or `--quiet` is given.
+    fn warn(&self, warnings: &[String], shown: &mut HashSet<String>) {
+        if self.json || self.quiet {
+            return;
+        }
+        for warning in warnings {
+            if shown.insert(warning.clone()) {
+                terminal::warn(warning);
+            }
         }
     }
 
-    fn tell(&self, results: &Results) {
+    /// Prints the results to stdout in the form that the flags ask for.
+    fn print(&self, results: &Results) {
         match &results.rows[..] {
-            [Row { ended: Ended::Report(report), .. }] if self.json => {
+            [Row { outcome: RunOutcome::Report(report), .. }] if self.json => {
                 terminal::print_json(report);
             }
-            [Row { ended: Ended::Report(report), place, .. }] if !self.quiet => {
-                terminal::print(&summary::of(report, place));
+            [Row { outcome: RunOutcome::Report(report), place, .. }] if !self.quiet => {
+                terminal::print(&summary::of_run(report, place));
             }
             _ if self.json => terminal::print_json(&results.json()),
-            _ if !self.quiet => terminal::print(&summary::of_all(results)),
+            _ if !self.quiet => terminal::print(&summary::of_runs(results)),
             _ => {}
         }
     }
 }
 
-/// How all runs ended together: with a broken gate if any has one and nothing failed; partly done if any of several gave results and not all did.
+/// Shows why one of several runs failed.
+fn report_failure(failure: Diagnostics, run: &str) -> RunOutcome {
+    let diagnostics: Vec<_> = failure.list.into_iter().map(|diagnostic| with_flags(&diagnostic.doing(run))).collect();
+    diagnostics.iter().for_each(terminal::report_one);
+    RunOutcome::Failed(diagnostics)
+}
+
+/// The exit status of all runs together.
+///
+/// It is that of a broken gate if nothing is worse, and "partly done" if only some of several runs gave results.
 fn status(results: &Results) -> Status {
-    let failed = results.rows.iter().filter_map(|row| match &row.ended {
-        Ended::Failed(diagnostics) => Some(diagnostics),
-        Ended::Report(_) => None,
+    let failed = results.rows.iter().filter_map(|row| match &row.outcome {
+        RunOutcome::Failed(diagnostics) => Some(diagnostics),
+        RunOutcome::Report(_) => None,
     });
     match results.status() {
         "done" => Status::Done,
@@ -171,50 +184,8 @@ fn status(results: &Results) -> Status {
     }
 }
 
-/// The file that takes the table of results.
-struct Table<'a> {
-    file: &'a Path,
-    text: fn(&Results) -> String,
-}
-
-impl<'a> Table<'a> {
-    fn at(file: &'a Path) -> Result<Self> {
-        let extension = file.extension().map(|extension| extension.to_string_lossy().to_lowercase());
-        let text = match extension.as_deref() {
-            Some("csv") => Results::csv,
-            Some("md") => Results::markdown,
-            _ => {
-                let message = "a table is written as .csv or .md";
-                let place = Location::Option(format!("--table {}", file.display()));
-                return Err(Diagnostic::new(Kind::Usage, message).at(place).hint("e.g. `--table results.csv`").into());
-            }
-        };
-        Ok(Self { file, text })
-    }
-
-    /// That it is no file that a run reads or writes.
-    fn check(&self, all: &[Prepared]) -> Result<()> {
-        let identity = resolve::identity(self.file);
-        let is_it = |path: &Path| resolve::identity(path) == identity;
-        let taken = all.iter().any(|one| {
-            one.inputs.iter().any(|input| is_it(&input.path)) || one.outputs.places().into_iter().any(is_it)
-        });
-        if taken || self.file.is_dir() {
-            let place = Location::Option(format!("--table {}", self.file.display()));
-            let message = if taken { "a run reads or writes this file" } else { "there is a folder of that name" };
-            return Err(Diagnostic::new(Kind::CannotWrite, message).at(place).hint("choose another name").into());
-        }
-        Ok(())
-    }
-
-    fn write(&self, results: &Results) -> Result<()> {
-        staging::write(self.file, (self.text)(results).as_bytes())?;
-        Ok(())
-    }
-}
-
-/// A number of threads.
-pub fn threads(text: &str) -> std::result::Result<u16, String> {
+/// Parses a number of threads.
+fn threads(text: &str) -> std::result::Result<u16, String> {
     text.parse()
         .ok()
         .filter(|count| *count > 0)

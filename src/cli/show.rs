@@ -1,19 +1,18 @@
+//! `mimesh show`: the settings of one implementation of a stage.
+
+use mimesh_core::{
+    Plugin, plugin,
+    stage::{Metric, Statistic},
+};
+use mimesh_pipeline::{
+    schema::{SchemaNode, choices, described_choices, description, inlined_settings_schema, range, settings_schema},
+    text::pairs,
+};
 use serde_json::{Map, Value, json};
 
-use super::{Ended, list::description, terminal};
-use crate::diagnostic::Kind;
-use crate::text::pairs;
-use crate::{
-    core::{Plugin, plugin, stage::Metric},
-    diagnostic::Diagnostic,
-    pipeline::{
-        choices, described_choices, range, settings_schema,
-        words::{did_you_mean, unknown_type},
-    },
-    status::Status,
-};
+use crate::cli::{CommandResult, registry, status::Status, terminal};
 
-/// Shows an implementation of a stage: what it does, its settings, and how it looks in YAML.
+/// Shows an implementation of a stage: its purpose, its settings, and an example in YAML.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:\n  mimesh show transfer gradient")]
 pub struct Show {
@@ -29,172 +28,193 @@ pub struct Show {
 
 impl Show {
     /// Runs the command.
-    pub fn run(&self) -> Ended {
-        let plugin = self.find()?;
-        let schema = settings_schema(plugin);
+    pub fn run(&self) -> CommandResult {
+        let plugin = registry::find(&self.stage, &self.name)?;
         let defaults = (plugin.settings)();
         if self.json {
             terminal::print_json(&json!({
                 "stage": plugin.stage, "type": (plugin.name)(), "description": description(plugin),
-                "schema": schema, "defaults": defaults,
+                "schema": inlined_settings_schema(plugin), "defaults": defaults,
             }));
         } else {
-            terminal::print(&page(plugin, &schema, &defaults));
+            terminal::print(&page(plugin, &settings_schema(plugin), &defaults));
         }
         Ok(Status::Done)
     }
-
-    fn find(&self) -> crate::diagnostic::Result<&'static Plugin> {
-        known_stage(&self.stage)?;
-        let all = plugin::all();
-        let found = all.into_iter().find(|plugin| plugin.stage == self.stage && (plugin.name)() == self.name);
-        found.ok_or_else(|| {
-            let told = unknown_type(&self.stage, &self.name);
-            Diagnostic::new(Kind::Usage, told.message).hint(told.hint).into()
-        })
-    }
 }
 
-/// That there is a stage called `stage`.
-pub fn known_stage(stage: &str) -> crate::diagnostic::Result<()> {
-    let mut stages: Vec<_> = plugin::all().iter().map(|plugin| plugin.stage).collect();
-    stages.dedup();
-    if stages.contains(&stage) {
-        return Ok(());
-    }
-    let known = || format!("stages: {}", stages.join(", "));
-    let hint = did_you_mean(stage, &stages).unwrap_or_else(known);
-    Err(Diagnostic::new(Kind::Usage, format!("unknown stage `{stage}`")).hint(hint).into())
-}
-
+/// The description, the settings and the example of an implementation.
 fn page(plugin: &Plugin, schema: &Value, defaults: &Value) -> String {
     let name = (plugin.name)();
     let mut text = format!("{} {name}\n\n{}\n", plugin.stage, description(plugin).trim());
-    text += &figures(plugin);
-    let needed = schema.get("required").and_then(Value::as_array).into_iter().flatten();
-    let needed: Vec<&str> = needed.filter_map(Value::as_str).collect();
-    let settings = schema.get("properties").and_then(Value::as_object).cloned().unwrap_or_default();
-    if settings.is_empty() {
+    text += &statistics(plugin);
+    let required = required(schema);
+    let mut rows = Vec::new();
+    for (key, node) in SchemaNode::of_root(schema).properties(None) {
+        let default = if required.contains(&key) { None } else { defaults.get(key) };
+        add_rows(&mut rows, key.into(), node, default);
+    }
+    if rows.is_empty() {
         text += "\nIt has no settings.\n";
     } else {
         text += "\nSettings\n";
-        let default = |key: &String| if needed.contains(&key.as_str()) { None } else { defaults.get(key) };
-        let row = |(key, schema): (&String, &Value)| (key.clone(), setting(schema, default(key)));
-        text += &pairs(&settings.iter().map(row).collect::<Vec<_>>());
+        text += &pairs(&rows);
     }
-    text + "\nIn YAML, with all defaults\n" + &example(plugin.stage, name, &needed, defaults.as_object())
+    text + "\nIn YAML, with all defaults\n"
+        + &example(plugin, SchemaNode::of_root(schema), &required, defaults.as_object())
 }
 
-/// What a metric measures, in the order of gates; empty for other stages.
-fn figures(plugin: &Plugin) -> String {
+/// The settings that have no default.
+fn required(schema: &Value) -> Vec<&str> {
+    let names = schema.get("required").and_then(Value::as_array).into_iter().flatten();
+    names.filter_map(Value::as_str).collect()
+}
+
+/// The statistics of a metric with units, gates and limits, and when it is measured; empty for other stages.
+fn statistics(plugin: &Plugin) -> String {
     let metric = Some(plugin).filter(|plugin| plugin.stage == "metric");
     let Some(metric) = metric.and_then(|plugin| plugin::instance::<dyn Metric>((plugin.name)())) else {
         return String::new();
     };
     let name = (plugin.name)();
-    let limit = |figure: &&str| metric.limits().into_iter().find(|limit| limit.figure == *figure);
-    let row = |(i, figure): (usize, &&str)| {
-        let gate =
-            if i == 0 { format!("gate `{name}` or `{name}_{figure}`") } else { format!("gate `{name}_{figure}`") };
-        let limits = limit(figure).map(|limit| format!(", doubtful above {}, bad above {}", limit.doubtful, limit.bad));
-        ((*figure).to_owned(), gate + &limits.unwrap_or_default())
+    let row = |(i, statistic): (usize, &Statistic)| {
+        let Statistic { name: key, unit, limits, meaning, .. } = statistic;
+        let gate = if i == 0 { format!("gate `{name}` or `{name}_{key}`") } else { format!("gate `{name}_{key}`") };
+        let limits = limits.map(|limits| format!(", doubtful above {}, bad above {}", limits.doubtful, limits.bad));
+        ((*key).to_owned(), format!("{meaning}\nunit {unit}, {gate}{}", limits.unwrap_or_default()))
     };
-    let when = match (metric.by_default(), metric.needs_truth()) {
+    let when = match (metric.by_default(), metric.needs_ground_truth()) {
         (true, true) => "It is measured where the truth is known.",
-        (true, false) => "It is measured of every run.",
+        (true, false) => "It is measured in every run.",
         (false, _) => "It is measured where a pipeline names it.",
     };
-    let rows: Vec<_> = metric.figures().iter().enumerate().map(row).collect();
-    format!("\n{when}\n\nFigures\n{}", pairs(&rows))
+    let rows: Vec<_> = metric.statistics().iter().enumerate().map(row).collect();
+    format!("\n{when}\n\nStatistics\n{}", pairs(&rows))
 }
 
-/// Kind, range and default in the first line, then the doc comment and that of every choice; without a default it must
-/// be given.
-fn setting(schema: &Value, default: Option<&Value>) -> String {
-    let mut head =
-        vec![default.and_then(nested).map_or_else(|| kind(schema), |plugin| format!("a stage, {}", plugin.stage))];
-    head.extend(range(schema));
+/// Adds the row of a setting, then the rows of the settings within it with dotted names.
+fn add_rows(rows: &mut Vec<(String, String)>, key: String, node: SchemaNode<'_>, default: Option<&Value>) {
+    let inner = if node.stage().is_none() { node.properties(None) } else { vec![] };
+    rows.push((key.clone(), setting(node, default, inner.is_empty())));
+    for (name, node) in inner {
+        add_rows(rows, format!("{key}.{name}"), node, default.and_then(|default| default.get(name)));
+    }
+}
+
+/// A setting in lines: type, range and default first, then its description and those of its choices.
+///
+/// A setting without a default must be given.
+fn setting(node: SchemaNode<'_>, default: Option<&Value>, is_leaf: bool) -> String {
+    let mut head = vec![match node.stage() {
+        Some(stage) => format!("a stage, {stage}"),
+        None => kind(node.schema()),
+    }];
+    head.extend(range(node.schema()));
     match default {
         Some(Value::Null) => {}
-        Some(Value::String(word)) => head.push(format!("default {word}")),
-        Some(stage) if nested(stage).is_some() => head.push(format!("default {}", in_yaml(stage))),
-        Some(default) => head.push(format!("default {default}")),
+        Some(Value::String(text)) => head.push(format!("default {text}")),
+        Some(default) if node.stage().is_some() => head.push(format!("default {}", in_yaml(node, default))),
+        Some(default) if is_leaf => head.push(format!("default {default}")),
+        Some(_) => {}
         None => head.push("must be given".into()),
     }
-    let mut lines = vec![head.join(", ")];
-    lines.push(schema.get("description").and_then(Value::as_str).unwrap_or_default().into());
-    let choices = described_choices(schema);
+    let mut lines = vec![head.join(", "), node.description().to_owned()];
+    for (name, defaults) in node.extension("x-defaults").and_then(Value::as_object).into_iter().flatten() {
+        lines.push(format!("- the default of {name} here is {}", yaml_mapping(defaults)));
+    }
+    let choices = if node.stage().is_none() { described_choices(node.schema()) } else { vec![] };
     lines.extend(
         choices.into_iter().filter(|(_, doc)| !doc.is_empty()).map(|(choice, doc)| format!("- {choice}: {doc}")),
     );
     lines.join("\n")
 }
 
-/// The implementation that a stage within a stage is.
-fn nested(value: &Value) -> Option<&'static Plugin> {
-    let name = value.get("type")?.as_str()?;
-    let has_keys = |plugin: &&Plugin| {
-        let defaults = (plugin.settings)();
-        value.as_object().is_some_and(|map| map.keys().all(|key| key == "type" || defaults.get(key).is_some()))
+/// A value in a line of YAML. A stage has only those settings that differ from its defaults.
+fn in_yaml(node: SchemaNode<'_>, value: &Value) -> String {
+    let name = value.get("type").and_then(Value::as_str);
+    let (Some(stage), Some(name), Some(entries)) = (node.stage(), name, value.as_object()) else {
+        return value.to_string();
     };
-    plugin::all().into_iter().filter(|plugin| (plugin.name)() == name).find(has_keys)
+    let plugin = plugin::all().into_iter().find(|plugin| plugin.stage == stage && (plugin.name)() == name);
+    let defaults = plugin.map(|plugin| (plugin.settings)()).unwrap_or_default();
+    let settings = node.variant(name).map(|settings| settings.properties(None)).unwrap_or_default();
+    let mut text = format!("{{ type: {name}");
+    for (key, value) in entries.iter().filter(|(key, value)| *key != "type" && defaults.get(key) != Some(value)) {
+        let inner = settings.iter().find(|(name, _)| name == key);
+        let shown = inner.map_or_else(|| value.to_string(), |(_, node)| in_yaml(*node, value));
+        text += &format!(", {key}: {shown}");
+    }
+    text + " }"
 }
 
-/// A value as YAML has it in a line; of a stage within a stage only what differs from its defaults.
-fn in_yaml(value: &Value) -> String {
-    let (Some(plugin), Some(map)) = (nested(value), value.as_object()) else { return value.to_string() };
-    let defaults = (plugin.settings)();
-    let others = map.iter().filter(|(key, value)| *key != "type" && defaults.get(key) != Some(value));
-    let others: String = others.map(|(key, value)| format!(", {key}: {}", in_yaml(value))).collect();
-    format!("{{ type: {}{others} }}", (plugin.name)())
+/// A mapping in a line of YAML.
+fn yaml_mapping(value: &Value) -> String {
+    match value {
+        Value::Object(entries) => {
+            let entries: Vec<_> =
+                entries.iter().map(|(key, value)| format!("{key}: {}", yaml_mapping(value))).collect();
+            format!("{{ {} }}", entries.join(", "))
+        }
+        Value::String(text) => text.clone(),
+        other => other.to_string(),
+    }
 }
 
+/// The type of a setting in words.
 fn kind(schema: &Value) -> String {
-    let word = |name: &str| match name {
-        "number" => "a number",
-        "integer" => "a whole number",
-        "string" => "a text",
-        "boolean" => "true or false",
-        "array" => "a list",
-        "object" => "a map",
-        "null" => "nothing",
-        _ => "a value",
-    };
     let values: Vec<String> = choices(schema);
     if !values.is_empty() {
         return format!("one of {}", values.join(", "));
     }
     let limit = |key: &str| schema.get(key).and_then(Value::as_u64);
     let item = schema.get("items").and_then(|items| items.get("type")).and_then(Value::as_str);
-    if let (Some(item @ ("number" | "integer")), Some(least), Some(most)) = (item, limit("minItems"), limit("maxItems"))
-        && least == most
+    if let (Some(item @ ("number" | "integer")), Some(min), Some(max)) = (item, limit("minItems"), limit("maxItems"))
+        && min == max
     {
-        return format!("a list of {least} {}", if item == "number" { "numbers" } else { "whole numbers" });
+        return format!("a sequence of {min} {}", if item == "number" { "numbers" } else { "whole numbers" });
     }
     match schema.get("type") {
-        Some(Value::String(name)) => word(name).into(),
+        Some(Value::String(name)) => kind_word(name).into(),
         Some(Value::Array(names)) => {
             let names = names.iter().filter_map(Value::as_str).filter(|name| *name != "null");
-            names.map(word).collect::<Vec<_>>().join(" or ")
+            names.map(kind_word).collect::<Vec<_>>().join(" or ")
         }
         _ => "a value".into(),
     }
 }
 
-fn example(stage: &str, name: &str, needed: &[&str], defaults: Option<&Map<String, Value>>) -> String {
-    let settings = defaults.into_iter().flatten().filter(|(_, value)| !value.is_null());
-    let mut lines = vec![format!("type: {name}")];
-    lines.extend(settings.map(|(key, value)| match value {
-        _ if needed.contains(&key.as_str()) => format!("{key}: …"),
-        // Words need no quotes in YAML; other texts keep theirs.
-        Value::String(word) if !word.is_empty() && word.chars().all(|c| c.is_ascii_lowercase() || c == '_') => {
-            format!("{key}: {word}")
-        }
-        _ => format!("{key}: {}", in_yaml(value)),
-    }));
-    match stage {
-        "metric" | "format" => format!("  {stage}s:\n    - {}\n", lines.join("\n      ")),
+/// A type of JSON Schema in words.
+fn kind_word(name: &str) -> &'static str {
+    match name {
+        "number" => "a number",
+        "integer" => "a whole number",
+        "string" => "a string",
+        "boolean" => "true or false",
+        "array" => "a sequence",
+        "object" => "a mapping",
+        "null" => "nothing",
+        _ => "a value",
+    }
+}
+
+/// An example of the stage in a pipeline, with all its defaults.
+fn example(plugin: &Plugin, node: SchemaNode<'_>, required: &[&str], defaults: Option<&Map<String, Value>>) -> String {
+    let settings = node.properties(None);
+    let mut lines = vec![format!("type: {}", (plugin.name)())];
+    for (key, value) in defaults.into_iter().flatten().filter(|(_, value)| !value.is_null()) {
+        let inner = settings.iter().find(|(name, _)| name == key);
+        lines.push(match value {
+            _ if required.contains(&key.as_str()) => format!("{key}: …"),
+            // A plain word needs no quotes in YAML; other strings keep theirs.
+            Value::String(text) if !text.is_empty() && text.chars().all(|c| c.is_ascii_lowercase() || c == '_') => {
+                format!("{key}: {text}")
+            }
+            _ => format!("{key}: {}", inner.map_or_else(|| value.to_string(), |(_, node)| in_yaml(*node, value))),
+        });
+    }
+    match plugin.stage {
+        stage @ ("metric" | "format") => format!("  {stage}s:\n    - {}\n", lines.join("\n      ")),
         "generator" => format!("  source:\n    generator:\n      {}\n", lines.join("\n      ")),
-        _ => format!("  {stage}:\n    {}\n", lines.join("\n    ")),
+        stage => format!("  {stage}:\n    {}\n", lines.join("\n    ")),
     }
 }

@@ -1,144 +1,153 @@
-//! What a run did, for people.
+//! The summary of a run, and the table of several runs, as text.
 
 use std::{fmt::Write, path::Path};
 
+use mimesh_core::Figures;
+use mimesh_pipeline::{
+    metrics::{Level, PrimaryStatistic, Reason, primary_statistics},
+    report::{MeshFigures, PoseReport, Report, Results, RunOutcome, StageReport},
+    text::{bytes, count, number, pairs, seconds, table},
+};
 use serde_json::{Map, Value};
 
-use crate::text::{bytes, count, number, pairs, seconds, table};
-use crate::{
-    core::Figures,
-    pipeline::{
-        compose::{Ended, Results},
-        judge::{Level, Reason},
-        report::{Headline, MeshFigures, PoseReport, Report, headlines},
-    },
-};
-
-/// More rows than this are shortened in tables; `run.json` has them all.
-const MOST_ROWS: usize = 24;
+/// The largest number of rows in a table. `run.json` has all of them.
+const MAX_ROWS: usize = 24;
 
 /// The summary of a run whose report is at `path`.
-pub fn of(report: &Report, path: &Path) -> String {
-    let mut text = String::new();
-    let failed: Vec<_> = report.poses.iter().filter(|pose| pose.error.is_some()).collect();
+pub fn of_run(report: &Report, path: &Path) -> String {
     let rows = [
         ("source".to_owned(), format!("{}, {}", mesh(&report.source), count(report.poses.len(), "pose", "poses"))),
         ("target".to_owned(), mesh(&report.target)),
         ("markers".to_owned(), report.markers.to_string()),
     ];
-    text += &pairs(&rows);
-    for stage in &report.stages {
-        let name = if stage.name.is_empty() { String::new() } else { format!(" ({})", stage.name) };
-        let cpu = stage.cpu_seconds.map(|cpu| format!(", CPU {}", seconds(cpu))).unwrap_or_default();
-        let each = match report.poses.len() {
-            count if stage.stage == "poses" && count > 1 => {
-                format!(", {} a pose", seconds(stage.seconds / count as f64))
-            }
-            _ => String::new(),
-        };
-        let kept = match report.poses.iter().filter(|pose| pose.reused).count() {
-            count if stage.stage == "poses" && count > 0 => format!(", {count} of {} kept", report.poses.len()),
-            _ => String::new(),
-        };
-        if stage.reused {
-            let _ = writeln!(text, "\n{}{name}: kept from an earlier run", stage.stage);
-        } else {
-            let _ = writeln!(text, "\n{}{name}: {}{cpu}{each}{kept}", stage.stage, seconds(stage.seconds));
-        }
-        if stage.stage == "correspondence" {
-            text += &partners(&stage.figures, report.target.triangles);
-        }
-        text += &figures(&stage.figures);
-        for warning in &stage.figures.warnings {
-            let _ = writeln!(text, "  warning: {warning}");
-        }
-    }
-    for (metric, values) in report.metrics.iter().filter(|(metric, _)| *metric == "point_error") {
-        let _ = writeln!(text, "\n{metric}, % of the diagonal");
-        text += &scores(metric, values, &report.poses);
+    let mut text = pairs(&rows);
+    report.stages.iter().for_each(|step| text += &stage(step, report));
+    if let Some(values) = report.metrics.get("point_error") {
+        text += &format!("\npoint_error, % of the diagonal\n{}", scores("point_error", values, &report.poses));
     }
     text += &verdicts(report);
+    let failed: Vec<_> = report.poses.iter().filter(|pose| pose.error.is_some()).map(|pose| &*pose.name).collect();
     if !failed.is_empty() {
-        let names: Vec<_> = failed.iter().map(|pose| pose.name.as_str()).collect();
-        let _ = writeln!(text, "\nfailed: {} ({} of {})", names.join(", "), failed.len(), report.poses.len());
+        text += &format!("\nfailed: {} ({} of {})\n", failed.join(", "), failed.len(), report.poses.len());
     }
-    text += "\nwritten\n";
-    let shown = report.outputs.len().min(MOST_ROWS);
+    text += &written(report, path);
+    let cpu = report.process.cpu_seconds.map(|cpu| format!(", CPU {}", seconds(cpu))).unwrap_or_default();
+    let memory =
+        report.process.peak_memory_bytes.map(|peak| format!(", at most {} of memory", bytes(peak))).unwrap_or_default();
+    let threads = count(report.threads, "thread", "threads");
+    text + &format!("\n{} in {} on {threads}{cpu}{memory}\n", status(report), seconds(report.seconds))
+}
+
+/// The time of a stage, its figures and its warnings.
+fn stage(stage: &StageReport, report: &Report) -> String {
+    let name = if stage.name.is_empty() { String::new() } else { format!(" ({})", stage.name) };
+    let mut text = if stage.reused {
+        format!("\n{}{name}: cached by an earlier run\n", stage.stage)
+    } else {
+        let cpu = stage.cpu_seconds.map(|cpu| format!(", CPU {}", seconds(cpu))).unwrap_or_default();
+        let poses = if stage.stage == "poses" { time_and_cache_of_poses(stage, report) } else { String::new() };
+        format!("\n{}{name}: {}{cpu}{poses}\n", stage.stage, seconds(stage.seconds))
+    };
+    if stage.stage == "correspondence" {
+        text += &correspondence(&stage.figures, report.target.triangles);
+    }
+    text += &figures(&stage.figures);
+    for warning in &stage.figures.warnings {
+        text += &format!("  warning: {warning}\n");
+    }
+    text
+}
+
+/// The time of one of several poses, and the number of poses from the cache.
+fn time_and_cache_of_poses(stage: &StageReport, report: &Report) -> String {
+    let (all, cached) = (report.poses.len(), report.poses.iter().filter(|pose| pose.reused).count());
+    let mut text = String::new();
+    if all > 1 {
+        text += &format!(", {} a pose", seconds(stage.seconds / all as f64));
+    }
+    if cached > 0 {
+        text += &format!(", {cached} of {all} cached");
+    }
+    text
+}
+
+/// The written files with their sizes; the report, at `path`, is the last.
+fn written(report: &Report, path: &Path) -> String {
+    let shown = report.outputs.len().min(MAX_ROWS);
     let mut rows: Vec<_> =
         report.outputs[..shown].iter().map(|file| vec![file.path.display().to_string(), bytes(file.bytes)]).collect();
     if shown < report.outputs.len() {
         rows.push(vec![format!("… and {} more", report.outputs.len() - shown)]);
     }
     rows.push(vec![path.display().to_string()]);
-    text += &table(&rows);
-    let cpu = report.process.cpu_seconds.map(|cpu| format!(", CPU {}", seconds(cpu))).unwrap_or_default();
-    let memory =
-        report.process.peak_memory_bytes.map(|peak| format!(", at most {} of memory", bytes(peak))).unwrap_or_default();
-    let threads = count(report.threads, "thread", "threads");
-    let _ = writeln!(text, "\n{} in {} on {threads}{cpu}{memory}", done(report), seconds(report.seconds));
-    text
+    format!("\nwritten\n{}", table(&rows))
 }
 
-/// The table of the runs of one file.
-pub fn of_all(results: &Results) -> String {
+/// The table of all runs of a pipeline, with a line on how they ended.
+pub fn of_runs(results: &Results) -> String {
     let mut text = table(&results.table());
     let measured =
-        results.rows.iter().any(|row| matches!(&row.ended, Ended::Report(report) if !report.metrics.is_empty()));
+        results.rows.iter().any(|row| matches!(&row.outcome, RunOutcome::Report(report) if !report.metrics.is_empty()));
     if measured {
         text += "  metrics are averages over poses, in their own units (`mimesh show metric TYPE`)\n";
     }
-    let ended = |status: &str| results.rows.iter().filter(|row| row.status() == status).count();
-    let (done, all) = (ended("done"), results.rows.len());
+    let (done, all) = (count_status(results, "done"), results.rows.len());
     let time = seconds(results.rows.iter().map(|row| row.seconds).sum());
     if done == all {
         let _ = writeln!(text, "\n{} done in {time}", count(all, "run", "runs"));
     } else {
-        let rest =
-            [("with a broken gate", ended("gate")), ("partly done", ended("partly")), ("failed", ended("failed"))];
-        let rest: Vec<_> = rest.iter().filter(|(_, n)| *n > 0).map(|(what, n)| format!("{n} {what}")).collect();
-        let _ = writeln!(text, "\n{done} of {} done, {}, in {time}", count(all, "run", "runs"), rest.join(", "));
+        let others = [("gate", "with a broken gate"), ("partly", "partly done"), ("failed", "failed")];
+        let others = others.map(|(status, words)| (count_status(results, status), words));
+        let others: Vec<_> = others.iter().filter(|(n, _)| *n > 0).map(|(n, words)| format!("{n} {words}")).collect();
+        let _ = writeln!(text, "\n{done} of {} done, {}, in {time}", count(all, "run", "runs"), others.join(", "));
     }
     text
 }
 
-/// What is to be said of each pose, with the main figures of the other metrics.
+/// The number of runs that ended with `status`.
+fn count_status(results: &Results, status: &str) -> usize {
+    results.rows.iter().filter(|row| row.status() == status).count()
+}
+
+/// The verdict with its reasons, after a table of the primary statistics of all metrics but `point_error`.
 fn verdicts(report: &Report) -> String {
     let columns: Vec<_> =
-        headlines(&report.poses).into_iter().filter(|column| column.metric != "point_error").collect();
+        primary_statistics(&report.poses).into_iter().filter(|column| column.metric != "point_error").collect();
     let Some(worst) = report.verdict else { return String::new() };
     let mut text = String::new();
     if !columns.is_empty() {
-        let names = |part: fn(&Headline) -> &str| columns.iter().map(move |column| part(column).replace('_', " "));
+        let metrics = columns.iter().map(|column| column.metric.replace('_', " "));
+        let statistics = columns.iter().map(|column| column.statistic.replace('_', " "));
         let mut rows: Vec<Vec<String>> = vec![
-            std::iter::once(String::new()).chain(names(|column| &column.metric)).collect(),
-            std::iter::once(String::new()).chain(names(|column| &column.figure)).collect(),
+            std::iter::once(String::new()).chain(metrics).collect(),
+            std::iter::once(String::new()).chain(statistics).collect(),
         ];
         let row = |pose: &PoseReport| {
-            let cell = |column: &Headline| column.of(pose).map_or("-".into(), number);
+            let cell = |column: &PrimaryStatistic| column.of(pose).map_or("-".into(), number);
             std::iter::once(pose.name.clone()).chain(columns.iter().map(cell)).collect()
         };
-        rows.extend(report.poses.iter().take(MOST_ROWS).map(row));
-        if report.poses.len() > MOST_ROWS {
-            rows.push(vec![format!("… {} more", report.poses.len() - MOST_ROWS)]);
+        rows.extend(report.poses.iter().take(MAX_ROWS).map(row));
+        if report.poses.len() > MAX_ROWS {
+            rows.push(vec![format!("… {} more", report.poses.len() - MAX_ROWS)]);
         }
-        let _ = write!(text, "\nmetrics (`mimesh show metric NAME` tells what they are)\n{}", table(&rows));
+        let _ = write!(text, "\nmetrics (`mimesh show metric NAME` explains them)\n{}", table(&rows));
     }
     let _ = writeln!(text, "\nverdict: {}", worst.word());
-    let told = reasons(report, Level::Doubtful);
-    told.iter().take(MOST_ROWS).for_each(|line| text += &format!("  {line}\n"));
-    if told.len() > MOST_ROWS {
-        let _ = writeln!(text, "  … and {} more", told.len() - MOST_ROWS);
+    let lines = reasons(report, Level::Doubtful);
+    lines.iter().take(MAX_ROWS).for_each(|line| text += &format!("  {line}\n"));
+    if lines.len() > MAX_ROWS {
+        let _ = writeln!(text, "  … and {} more", lines.len() - MAX_ROWS);
     }
     text
 }
 
-/// A line for each pose that is judged `from` or worse, worst first; poses of one and the same fault share a line.
-pub fn reasons(report: &Report, from: Level) -> Vec<String> {
-    let judged = report.poses.iter().filter_map(|pose| Some((pose, pose.verdict.as_ref()?)));
-    let mut told: Vec<_> = judged.filter(|(_, verdict)| verdict.level >= from).collect();
-    told.sort_by_key(|(_, verdict)| std::cmp::Reverse(verdict.level));
+/// A line for each pose whose verdict is `level` or worse, the worst first. Poses with the same reasons share a line.
+pub fn reasons(report: &Report, level: Level) -> Vec<String> {
+    let verdicts = report.poses.iter().filter_map(|pose| Some((pose, pose.verdict.as_ref()?)));
+    let mut verdicts: Vec<_> = verdicts.filter(|(_, verdict)| verdict.level >= level).collect();
+    verdicts.sort_by_key(|(_, verdict)| std::cmp::Reverse(verdict.level));
     let mut lines: Vec<(String, Vec<&str>)> = Vec::new();
-    for (pose, verdict) in told {
+    for (pose, verdict) in verdicts {
         let mut reasons: Vec<_> = verdict.reasons.iter().take(3).map(Reason::words).collect();
         if verdict.reasons.len() > reasons.len() {
             reasons.push(format!("and {} more", verdict.reasons.len() - reasons.len()));
@@ -157,38 +166,44 @@ pub fn reasons(report: &Report, from: Level) -> Vec<String> {
     lines.into_iter().map(named).collect()
 }
 
-/// Scores of poses with their average, in a table of the figures of `metric`.
+/// A table of the statistics of `metric`, with a row for each pose, the average, the worst and the mesh at rest.
 pub fn scores(metric: &str, summary: &Value, poses: &[PoseReport]) -> String {
-    let figures_of = |pose: &PoseReport| pose.metrics.get(metric).and_then(Value::as_object).cloned();
+    let statistics_of = |pose: &PoseReport| pose.metrics.get(metric).and_then(Value::as_object).cloned();
     let scored: Vec<(&str, Map<String, Value>)> =
-        poses.iter().filter_map(|pose| Some((pose.name.as_str(), figures_of(pose)?))).collect();
+        poses.iter().filter_map(|pose| Some((pose.name.as_str(), statistics_of(pose)?))).collect();
     let mut columns: Vec<&String> = Vec::new();
-    for key in scored.iter().flat_map(|(_, figures)| figures.keys()) {
-        // Counts that say nothing are left out of the table.
-        let telling =
-            scored.iter().any(|(_, f)| f.get(key).is_some_and(|v| v.is_f64() || v.as_f64().is_some_and(|v| v != 0.0)));
-        if telling && key != "vertices" && key != "warnings" && !columns.contains(&key) {
+    for key in scored.iter().flat_map(|(_, statistics)| statistics.keys()) {
+        // The table leaves out counts that are 0 everywhere.
+        let is_shown = scored.iter().any(|(_, statistics)| statistics.get(key).is_some_and(is_informative));
+        if is_shown && key != "vertices" && key != "warnings" && !columns.contains(&key) {
             columns.push(key);
         }
     }
-    let row = |name: &str, figures: &Map<String, Value>| -> Vec<String> {
-        let cell =
-            |key: &&String| figures.get(*key).and_then(Value::as_f64).map_or("-".into(), |value| format!("{value:.3}"));
+    let row = |name: &str, statistics: &Map<String, Value>| -> Vec<String> {
+        let cell = |key: &&String| {
+            statistics.get(*key).and_then(Value::as_f64).map_or("-".into(), |value| format!("{value:.3}"))
+        };
         std::iter::once(name.to_owned()).chain(columns.iter().map(cell)).collect()
     };
     let mut rows = vec![std::iter::once(String::new()).chain(columns.iter().map(|key| key.to_string())).collect()];
-    rows.extend(scored.iter().take(MOST_ROWS).map(|(name, figures)| row(name, figures)));
-    if scored.len() > MOST_ROWS {
-        rows.push(vec![format!("… {} more", scored.len() - MOST_ROWS)]);
+    rows.extend(scored.iter().take(MAX_ROWS).map(|(name, statistics)| row(name, statistics)));
+    if scored.len() > MAX_ROWS {
+        rows.push(vec![format!("… {} more", scored.len() - MAX_ROWS)]);
     }
     for (key, name) in [("average", "average"), ("worst", "worst"), ("nothing", "doing nothing")] {
-        if let Some(figures) = summary.get(key).and_then(Value::as_object).filter(|figures| !figures.is_empty()) {
-            rows.push(row(name, figures));
+        if let Some(statistics) = summary.get(key).and_then(Value::as_object).filter(|values| !values.is_empty()) {
+            rows.push(row(name, statistics));
         }
     }
     table(&rows)
 }
 
+/// Whether a value is more than a count of 0.
+fn is_informative(value: &Value) -> bool {
+    value.is_f64() || value.as_f64().is_some_and(|value| value != 0.0)
+}
+
+/// The sizes of a mesh.
 fn mesh(figures: &MeshFigures) -> String {
     let mut text = format!(
         "{}, {}",
@@ -204,32 +219,36 @@ fn mesh(figures: &MeshFigures) -> String {
     text
 }
 
-fn partners(figures: &Figures, triangles: usize) -> String {
+/// The share of target triangles that correspond to triangles of the source.
+fn correspondence(figures: &Figures, triangles: usize) -> String {
     let orphans = figures.number("orphans").unwrap_or_default() as usize;
     let found = triangles.saturating_sub(orphans);
     let share = 100.0 * found as f64 / triangles.max(1) as f64;
-    format!("  partners found for {found} of {triangles} target triangles ({share:.1} %)\n")
+    format!("  correspondence found for {found} of {triangles} target triangles ({share:.1} %)\n")
 }
 
+/// The figures of a stage, a row each.
 fn figures(figures: &Figures) -> String {
     let shown = figures.values.iter().filter(|(name, _)| *name != "orphans");
     let rows: Vec<_> = shown.map(|(name, value)| (name.replace('_', " "), figure(value))).collect();
     pairs(&rows)
 }
 
+/// A value in a line.
 fn figure(value: &Value) -> String {
     match value {
         Value::Number(n) => n.as_u64().map(|n| n.to_string()).or(n.as_f64().map(number)).unwrap_or_default(),
         Value::String(text) => text.clone(),
-        Value::Array(list) => list.iter().map(figure).collect::<Vec<_>>().join("  "),
-        Value::Object(map) => {
-            map.iter().map(|(key, value)| format!("{key} {}", figure(value))).collect::<Vec<_>>().join(", ")
+        Value::Array(items) => items.iter().map(figure).collect::<Vec<_>>().join("  "),
+        Value::Object(entries) => {
+            entries.iter().map(|(key, value)| format!("{key} {}", figure(value))).collect::<Vec<_>>().join(", ")
         }
         other => other.to_string(),
     }
 }
 
-fn done(report: &Report) -> String {
+/// How the run ended.
+fn status(report: &Report) -> String {
     let failed = report.poses.iter().filter(|pose| pose.error.is_some()).count();
     match failed {
         0 => "done".into(),

@@ -1,12 +1,13 @@
-//! What is told on stdout and stderr.
+//! Output on stdout and stderr.
 
 use std::io::{self, IsTerminal, Write};
 
+use mimesh_document::{Diagnostic, Diagnostics};
 use serde::Serialize;
 
-use crate::diagnostic::{Diagnostic, Diagnostics};
+use super::flags::with_flags;
 
-/// Prints to stdout; a reader that has gone away (`| head`) is no error.
+/// Prints to stdout. A reader that has closed the pipe (`| head`) is not an error.
 pub fn print(text: &str) {
     let _ = io::stdout().write_all(text.as_bytes()).and_then(|()| io::stdout().flush());
 }
@@ -18,39 +19,41 @@ pub fn print_json(value: &impl Serialize) {
     }
 }
 
-/// More mistakes than this are counted only: they mostly have one cause.
-const MOST_MISTAKES: usize = 100;
+/// The largest number of diagnostics that are shown. More of them mostly have one cause.
+const MAX_SHOWN: usize = 100;
 
-/// Tells on stderr what went wrong.
-pub fn tell(failure: &Diagnostics) {
-    failure.diagnostics.iter().take(MOST_MISTAKES).for_each(tell_one);
-    match failure.diagnostics.len() {
+/// Shows diagnostics on stderr, and their number if there are several.
+pub fn report(diagnostics: &Diagnostics) {
+    diagnostics.list.iter().take(MAX_SHOWN).for_each(report_one);
+    match diagnostics.len() {
         0 | 1 => {}
-        count if count <= MOST_MISTAKES => {
+        count if count <= MAX_SHOWN => {
             let _ = writeln!(io::stderr(), "{count} mistakes");
         }
         count => {
-            let _ = writeln!(io::stderr(), "{count} mistakes, of which {MOST_MISTAKES} are shown");
+            let _ = writeln!(io::stderr(), "{count} mistakes, of which {MAX_SHOWN} are shown");
         }
     }
 }
 
-/// Tells one mistake on stderr.
-pub fn tell_one(diagnostic: &Diagnostic) {
-    let _ = writeln!(io::stderr(), "{}: {diagnostic}", coloured("error", "31"));
+/// Shows one diagnostic on stderr.
+pub fn report_one(diagnostic: &Diagnostic) {
+    let _ = writeln!(io::stderr(), "{}: {}", coloured("error", "31"), with_flags(diagnostic));
 }
 
-/// Tells on stderr what looks wrong.
+/// Shows a warning on stderr.
 pub fn warn(text: &str) {
     let _ = writeln!(io::stderr(), "{}: {text}", coloured("warning", "33"));
 }
 
 /// Whether stderr may be animated and coloured.
-pub fn lively() -> bool {
-    let set = |name: &str| std::env::var_os(name).is_some_and(|value| !value.is_empty());
-    io::stderr().is_terminal() && std::env::var_os("TERM").is_none_or(|term| term != "dumb") && !set("NO_COLOR")
+pub fn is_interactive() -> bool {
+    let is_dumb = std::env::var_os("TERM").is_some_and(|term| term == "dumb");
+    let no_colour = std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
+    io::stderr().is_terminal() && !is_dumb && !no_colour
 }
 
+/// Gives `word` in bold with an ANSI colour code, where stderr may be coloured.
 fn coloured(word: &str, colour: &str) -> String {
-    if lively() { format!("\x1b[1;{colour}m{word}\x1b[0m") } else { word.into() }
+    if is_interactive() { format!("\x1b[1;{colour}m{word}\x1b[0m") } else { word.into() }
 }

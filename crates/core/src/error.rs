@@ -1,9 +1,12 @@
-use std::path::{Path, PathBuf};
+use std::{
+    borrow::Cow,
+    path::{Path, PathBuf},
+};
 
 /// A result with [`Error`].
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
-/// What reading, a stage or writing can fail with.
+/// The error of reading, of a stage or of writing.
 ///
 /// Messages are lower case, name the element, and say what was expected and found; [`hint`](Self::hint) says a way out.
 /// A stage does not repeat its own name or the name of a file it was not told: the pipeline adds both.
@@ -25,14 +28,14 @@ pub enum Error {
     Data {
         /// The element, what was expected and what was found.
         message: String,
-        /// What to do about it.
+        /// A way out.
         hint: String,
     },
     /// A setting outside its range.
     #[error("{setting}: expected {expected}, found {found}")]
     Setting {
-        /// The key, as in YAML.
-        setting: &'static str,
+        /// The key as in YAML, with those that lead to it, e.g. `term_weights.gaps`.
+        setting: Cow<'static, str>,
         /// The range in words.
         expected: String,
         /// The value.
@@ -45,9 +48,9 @@ pub enum Error {
         path: PathBuf,
         /// The line, from 1, in text files.
         line: Option<usize>,
-        /// What was expected and found.
+        /// The expected and the found contents.
         message: String,
-        /// What to do about it.
+        /// A way out.
         hint: String,
     },
     /// A file that cannot be opened, read or written.
@@ -65,7 +68,7 @@ pub enum Error {
     Singular {
         /// The system, in words.
         what: &'static str,
-        /// What usually causes it.
+        /// The usual cause.
         hint: String,
     },
     /// An iteration that stopped before it reached its tolerance.
@@ -120,19 +123,6 @@ impl Error {
     /// [`Error::Shape`], naming `what`.
     pub fn check_shape(what: &'static str, expected: usize, found: usize) -> Result<()> {
         if expected == found { Ok(()) } else { Err(Self::Shape { what, expected, found }) }
-    }
-
-    /// `Ok` if `value` is finite and lies in `min..=max`, else [`Error::Setting`].
-    ///
-    /// # Errors
-    ///
-    /// [`Error::Setting`], naming `setting`.
-    pub fn check_setting(setting: &'static str, value: f64, min: f64, max: f64) -> Result<()> {
-        if value >= min && value <= max && value.is_finite() {
-            return Ok(());
-        }
-        let expected = if max.is_finite() { format!("{min} to {max}") } else { format!("at least {min}") };
-        Err(Self::Setting { setting, expected, found: value.to_string() })
     }
 
     /// A way out, if there is one to tell.

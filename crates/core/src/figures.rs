@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-/// What a stage says of its result: named figures in a fixed order, and warnings for a person.
+/// The report of a stage about its result: named figures in a fixed order, and warnings for a person.
 ///
 /// They go to the summary of a run and to `run.json`; nothing is decided by them.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

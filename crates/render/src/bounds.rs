@@ -1,13 +1,15 @@
-//! The bounding box that a view frames.
+//! The bounding box of points.
 
 use nalgebra::Point3;
 
-/// A box along the axes around points; take one over all poses so that every picture of a row has one scale.
+/// A box along the axes around points.
+///
+/// Taken over all poses, it gives every picture of a row the same scale.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
-    /// The least coordinates; infinite if there was no point.
+    /// The least coordinates; positive infinity if there was no point.
     pub low: Point3<f64>,
-    /// The greatest coordinates; infinite if there was no point.
+    /// The greatest coordinates; negative infinity if there was no point.
     pub high: Point3<f64>,
 }
 
@@ -18,14 +20,14 @@ impl Default for Bounds {
 }
 
 impl Bounds {
-    /// The box around the points that are finite.
+    /// Returns the box around the points that are finite.
     pub fn of<'a>(points: impl IntoIterator<Item = &'a Point3<f64>>) -> Self {
         let mut bounds = Self::default();
         bounds.include(points);
         bounds
     }
 
-    /// Grows the box until the finite ones of these points lie in it.
+    /// Grows the box until it holds those of the points that are finite.
     pub fn include<'a>(&mut self, points: impl IntoIterator<Item = &'a Point3<f64>>) {
         for point in points.into_iter().filter(|point| point.iter().all(|c| c.is_finite())) {
             self.low = self.low.inf(point);
@@ -33,7 +35,7 @@ impl Bounds {
         }
     }
 
-    /// The eight corners; none if there was no finite point.
+    /// Returns the eight corners; none if there was no finite point.
     pub fn corners(&self) -> Vec<Point3<f64>> {
         if !self.low.iter().chain(self.high.iter()).all(|c| c.is_finite()) {
             return Vec::new();

@@ -1,4 +1,4 @@
-//! A depth-buffered drawing of meshes, resolved smoothly onto a picture.
+//! The depth buffer that meshes are drawn into.
 
 use crate::colour::{Colour, GREY, INK, mix};
 use crate::dots::{self, Dot, DotsDrawn, PlacedDot};
@@ -9,10 +9,10 @@ use crate::shade::{Base, Shade, dot, unit};
 use crate::view::{Placed, View};
 use nalgebra::Point3;
 
-/// Samples a pixel across and down.
+/// The depth buffer has this many samples a pixel, across and down.
 const PER_PIXEL: usize = 2;
 
-/// Where a face turns from the mean of its neighbours by more than this (cosine of 30°), its edge is drawn sharp.
+/// An edge is drawn sharp where a face turns from the mean of its neighbours by more than this (cosine of 30°).
 const CREASE: f32 = 0.866;
 
 /// A step in depth of this share of the picture's shorter side is drawn as an outline.
@@ -20,24 +20,25 @@ const OUTLINE_STEP: f32 = 0.03;
 /// How much ink covers the samples of an outline.
 const OUTLINE_COVER: f64 = 0.45;
 
-/// What a mesh is coloured by.
+/// The colours of a mesh.
 #[derive(Clone, Copy, Debug)]
 pub enum Paint<'a> {
     /// One colour.
     Plain(Colour),
-    /// A value a vertex; not a number, or no value at all, is [grey](crate::colour::GREY), as is every triangle with
-    /// such a corner.
+    /// A value a vertex. A triangle with a corner that has none, or NaN, is [grey](crate::colour::GREY).
     Values {
         /// #V values.
         values: &'a [f64],
-        /// Their colours.
+        /// The colours of the values.
         scale: &'a Scale,
     },
-    /// A colour a triangle (#F), as for components; triangles without one are grey.
+    /// A colour a triangle (#F), e.g. that of its component; triangles without one are grey.
     Triangles(&'a [Colour]),
 }
 
-/// What became of a mesh's triangles. Those that lie outside the picture or are seen from their edge count as drawn.
+/// Counts of a mesh's triangles, drawn and left out.
+///
+/// Triangles outside the picture, or seen from their edge, count as drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Drawn {
     /// Triangles given to the depth buffer.
@@ -48,7 +49,7 @@ pub struct Drawn {
     pub not_finite: usize,
 }
 
-/// A depth-buffered drawing: any number of meshes that hide one another, and dots on them.
+/// A depth buffer for any number of meshes that hide one another, and dots on them.
 #[derive(Clone, Debug)]
 pub struct Canvas {
     width: u32,
@@ -56,27 +57,27 @@ pub struct Canvas {
     view: View,
     samples: Samples,
     dots: Vec<PlacedDot>,
-    /// How many dots have no place.
+    /// The number of dots that are not finite.
     lost_dots: usize,
 }
 
 impl Canvas {
-    /// An empty drawing of this size in pixels, seen by a camera.
+    /// Returns an empty canvas of a size in pixels, seen by a camera.
     pub fn new(width: u32, height: u32, view: View) -> Self {
         let samples = Samples::new(width as usize * PER_PIXEL, height as usize * PER_PIXEL);
         Self { width, height, view, samples, dots: Vec::new(), lost_dots: 0 }
     }
 
-    /// The place of a point on this canvas, in pixels; `None` if it is not finite.
+    /// Returns the place of a point on this canvas, in pixels; `None` if it is not finite.
     pub fn place(&self, point: &Point3<f64>) -> Option<Placed> {
         self.view.project(point, f64::from(self.width), f64::from(self.height))
     }
 
     /// Draws a triangle mesh: `positions` #V × 3, corners of `triangles` #F × 3 counter-clockwise seen from outside.
     ///
-    /// Smooth where faces meet at a small angle, sharp at creases, lit from the camera's upper left. The inside of a
-    /// surface is dark red, so that flipped triangles and holes are seen. Triangles that do not share their vertices (as
-    /// in an STL file that was not welded) look flat.
+    /// The surface is smooth where faces meet at a small angle, sharp at creases, and lit from the camera's upper left.
+    /// Its inside is dark red, so that flipped triangles and holes are seen. Triangles that do not share their vertices,
+    /// as in an STL file that was not welded, look flat.
     pub fn mesh(&mut self, positions: &[Point3<f64>], triangles: &[[u32; 3]], paint: &Paint) -> Drawn {
         let points = self.as_seen(positions);
         let corners: Vec<Option<Corner>> = points.iter().map(|point| self.corner(*point)).collect();
@@ -112,8 +113,9 @@ impl Canvas {
         drawn
     }
 
-    /// Adds markers or key points. They are drawn over the meshes by [`draw_onto`](Self::draw_onto): those on the side
-    /// that is seen as discs with a white rim, those hidden behind a surface as faint rings.
+    /// Adds markers or key points, which [`draw_onto`](Self::draw_onto) draws over the meshes.
+    ///
+    /// A visible one is a disc with a white rim; one that is hidden behind a surface is a faint ring.
     pub fn dots(&mut self, dots: &[Dot]) {
         for dot in dots {
             match self.place(&dot.at) {
@@ -123,10 +125,10 @@ impl Canvas {
         }
     }
 
-    /// Draws the meshes and then the dots onto a picture, the canvas' upper left corner at (`x`, `y`); what was there
-    /// shows where nothing was drawn.
+    /// Draws the meshes and then the dots onto a picture, the canvas' upper left corner at (`x`, `y`).
     ///
-    /// The outline of every shape is darkened, also where one part stands before another.
+    /// The picture stays as it was where the canvas is empty. The outline of every shape is darkened, also where one part
+    /// stands before another.
     pub fn draw_onto(&self, picture: &mut Picture, x: i32, y: i32) -> DotsDrawn {
         for row in 0..self.height as usize {
             for column in 0..self.width as usize {
@@ -149,7 +151,7 @@ impl Canvas {
         DotsDrawn { outside: drawn.outside + self.lost_dots, ..drawn }
     }
 
-    /// Points in pixels from the middle of the canvas: to the right, up, towards the camera.
+    /// Returns points in pixels from the middle of the canvas: to the right, up, towards the camera.
     fn as_seen(&self, positions: &[Point3<f64>]) -> Vec<[f32; 3]> {
         let scale = self.view.pixels_per_unit(f64::from(self.width), f64::from(self.height));
         positions.iter().map(|point| self.view.seen(scale, point).map(|c| c as f32)).collect()
@@ -161,7 +163,7 @@ impl Canvas {
         Corner::new(samples(x), samples(y), -f64::from(towards))
     }
 
-    /// The mean colour of a pixel's samples that show a surface, and their share.
+    /// Returns the mean colour of those samples of a pixel that show a surface, and their share.
     fn resolve(&self, column: usize, row: usize) -> (Colour, f64) {
         let mut sum = [0u32; 3];
         let mut count = 0;
@@ -177,7 +179,7 @@ impl Canvas {
         (mean, f64::from(count) / (PER_PIXEL * PER_PIXEL) as f64)
     }
 
-    /// Whether a neighbour of a sample is empty or lies far behind it.
+    /// Returns whether a neighbour of a sample is empty or lies far behind it.
     fn is_outline(&self, x: usize, y: usize, depth: f32) -> bool {
         let far = depth + OUTLINE_STEP * self.width.min(self.height) as f32;
         let neighbours = [(x.wrapping_sub(1), y), (x + 1, y), (x, y.wrapping_sub(1)), (x, y + 1)];
@@ -189,7 +191,7 @@ impl Canvas {
     }
 }
 
-/// Normals of vertices: of the faces around them, weighted by area.
+/// Normals of vertices, each the sum of those of the faces around it, weighted by area.
 struct Normals<'a> {
     points: &'a [[f32; 3]],
     of_vertices: Vec<[f32; 3]>,
@@ -208,7 +210,7 @@ impl<'a> Normals<'a> {
         Self { points, of_vertices }
     }
 
-    /// Unit normals at the corners of a triangle: the vertex' own, or at a crease the face's.
+    /// Returns unit normals at the corners of a triangle: the vertex' own, or at a crease the face's.
     fn at_corners(&self, vertices: [usize; 3]) -> [[f32; 3]; 3] {
         let smooth = vertices.map(|vertex| self.of_vertices[vertex]);
         let Some(face) = area_normal(self.points, vertices).and_then(unit) else { return smooth };
@@ -216,7 +218,7 @@ impl<'a> Normals<'a> {
     }
 }
 
-/// The normal of a triangle with twice its area as length; `None` if a vertex is missing or it is not finite.
+/// Returns the normal of a triangle, twice its area long; `None` if a vertex is missing or the normal is not finite.
 fn area_normal(points: &[[f32; 3]], [a, b, c]: [usize; 3]) -> Option<[f32; 3]> {
     let (a, b, c) = (points.get(a)?, points.get(b)?, points.get(c)?);
     let [p, q]: [[f32; 3]; 2] = [b, c].map(|end| std::array::from_fn(|i| end[i] - a[i]));

@@ -1,45 +1,44 @@
-//! Colours: the few that pictures use, mixing, and OKLab, in which equal steps look equal.
+//! The colours of pictures, mixing, and OKLab, in which equal steps look equal.
 
-/// Red, green and blue, 0 to 255, sRGB.
+/// A colour in sRGB: red, green and blue, 0 to 255.
 pub type Colour = [u8; 3];
 
-/// The page.
+/// The colour of the page.
 pub const WHITE: Colour = [255, 255, 255];
-/// Text and outlines.
+/// The colour of text and outlines.
 pub const INK: Colour = [33, 37, 43];
-/// Captions of less weight, ticks and frames.
+/// The colour of captions of less weight, ticks and frames.
 pub const FAINT: Colour = [112, 120, 131];
-/// Lines between cells.
+/// The colour of lines between cells.
 pub const RULE: Colour = [222, 226, 231];
-/// Vertices without a value.
+/// The colour of vertices without a value.
 pub const GREY: Colour = [176, 180, 186];
-/// The surface of a source.
+/// The colour of a source's surface.
 pub const STEEL: Colour = [152, 179, 214];
-/// The surface of a target.
+/// The colour of a target's surface.
 pub const SAND: Colour = [226, 188, 140];
-/// Markers and key points.
+/// The colour of markers and key points.
 pub const CRIMSON: Colour = [200, 30, 60];
-/// A second kind of dots, told from [`CRIMSON`] without seeing red or green.
-pub const ROYAL: Colour = [26, 92, 200];
 
-/// A colour for the part with this index, different from those of its neighbours in number.
+/// Returns a colour for the part with this index, unlike those of the indices near it.
 ///
-/// The hue goes round by the golden angle, and lightness alternates between three steps so that parts differ in grey
-/// print and to the colour-blind too. The sequence never ends.
+/// The hue turns by the golden angle, so that the sequence never ends. Lightness alternates between three steps, so that
+/// parts differ in grey print and to the colour-blind too.
 pub fn of_part(index: usize) -> Colour {
     let hue = index as f64 * 137.507_764_050_037_85_f64.to_radians() + 4.2;
     let lightness = [0.74, 0.62, 0.84][index % 3];
     from_oklab([lightness, 0.115 * hue.cos(), 0.115 * hue.sin()])
 }
 
-/// `under` covered by `over` to the share `cover` (0 to 1).
+/// Returns `under`, covered by `over` to the share `cover` (0 to 1).
 pub fn mix(under: Colour, over: Colour, cover: f64) -> Colour {
     let cover = if cover.is_finite() { cover.clamp(0.0, 1.0) } else { 0.0 };
     std::array::from_fn(|c| (f64::from(under[c]) + (f64::from(over[c]) - f64::from(under[c])) * cover).round() as u8)
 }
 
-/// OKLab coordinates: lightness 0 to 1, green–red, blue–yellow (B. Ottosson, "A perceptual color space for image
-/// processing", 2020).
+/// Returns a colour in OKLab: lightness 0 to 1, green to red, blue to yellow.
+///
+/// B. Ottosson, "A perceptual color space for image processing", 2020.
 pub fn to_oklab(colour: Colour) -> [f64; 3] {
     let [r, g, b] = colour.map(|c| to_linear(f64::from(c) / 255.0));
     let l = (0.412_221_470_8 * r + 0.536_332_536_3 * g + 0.051_445_992_9 * b).cbrt();
@@ -52,7 +51,7 @@ pub fn to_oklab(colour: Colour) -> [f64; 3] {
     ]
 }
 
-/// The nearest colour a screen shows; chroma outside its range is cut off a channel at a time.
+/// Returns the sRGB colour of OKLab coordinates; each channel is clamped to the range of a screen.
 pub fn from_oklab([l, a, b]: [f64; 3]) -> Colour {
     let long = (l + 0.396_337_777_4 * a + 0.215_803_757_3 * b).powi(3);
     let medium = (l - 0.105_561_345_8 * a - 0.063_854_172_8 * b).powi(3);

@@ -1,4 +1,4 @@
-//! Markers and key points: discs with labels that keep out of each other's way.
+//! Markers and key points: discs with labels that do not cover each other.
 
 use crate::colour::{Colour, FAINT, INK, WHITE, mix};
 use crate::picture::{Picture, Rect};
@@ -10,28 +10,28 @@ use embedded_graphics::pixelcolor::Rgb888;
 use embedded_graphics::primitives::{Line, Primitive, PrimitiveStyle};
 use nalgebra::Point3;
 
-/// Labels' size of text.
+/// The size of labels.
 const SIZE: Size = Size::Small;
 
-/// A point to be shown, as a marker or a key point.
+/// A marker or a key point to draw.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Dot {
-    /// Where, in the unit of the mesh.
+    /// The position, in the unit of the mesh.
     pub at: Point3<f64>,
-    /// A number or a short name beside it.
+    /// A number or a short name that stands beside the disc.
     pub label: Option<String>,
     /// The colour of the disc.
     pub colour: Colour,
 }
 
-/// How many dots could be shown.
+/// Counts of dots, shown and left out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct DotsDrawn {
-    /// Dots on the side that is seen.
+    /// Visible dots, drawn as discs.
     pub visible: usize,
     /// Dots behind a surface, drawn as faint rings.
     pub hidden: usize,
-    /// Dots outside the picture, or not finite, which are not drawn.
+    /// Dots that are not drawn, because they are not finite or lie outside the picture.
     pub outside: usize,
     /// Labels left out because every place for them was taken.
     pub without_label: usize,
@@ -44,16 +44,18 @@ pub(crate) struct PlacedDot {
     pub(crate) dot: Dot,
 }
 
-/// A label and where it goes.
+/// A label and its place.
 struct Label<'a> {
     text: &'a str,
     rect: Rect,
-    /// The line to its disc, if it does not touch it.
+    /// The line to its disc, if the label does not touch the disc.
     leader: Option<[Point; 2]>,
     hidden: bool,
 }
 
-/// Draws dots into an area of a picture; `is_visible` says whether no surface lies before a place.
+/// Draws dots into an area of a picture.
+///
+/// `is_visible` returns whether no surface lies before a place.
 pub(crate) fn draw(
     picture: &mut Picture,
     area: Rect,
@@ -102,10 +104,10 @@ fn text_of<'a>(placed: &&'a PlacedDot) -> Option<&'a str> {
     placed.dot.label.as_deref().filter(|text| !text.is_empty())
 }
 
-/// A free place for each label in turn, those of visible dots first: at the disc, or else a little off with a line to it.
+/// Finds a free place for each label in turn, those of visible dots first.
 ///
-/// A place that covers a label or a disc on the side that is seen is never taken; of the others the first that covers
-/// the fewest hidden ones.
+/// A label stands at its disc, or else a little off with a line to it. It never covers another label or a visible disc, and
+/// as few hidden ones as it can.
 fn place_labels<'a>(area: Rect, visible: &[&'a PlacedDot], hidden: &[&'a PlacedDot], radius: f64) -> Vec<Label<'a>> {
     let square = |placed: &&PlacedDot| {
         let corner = |from: i32, at: f64| from + (at - radius).round() as i32;
@@ -134,12 +136,14 @@ fn place_labels<'a>(area: Rect, visible: &[&'a PlacedDot], hidden: &[&'a PlacedD
     labels
 }
 
-/// Pixels across and down of a label. Digits fill ten of a line's thirteen rows; the others may overlap what they like.
+/// Returns the pixels across and down that a label must have free.
+///
+/// Digits fill ten of a line's thirteen rows; the other three may overlap anything.
 fn extent(text: &str) -> (u32, u32) {
     (SIZE.width(text), SIZE.height() - 3)
 }
 
-/// Places that touch a disc, in the order of liking: beside it, above, below, then at the corners.
+/// Returns the places that touch a disc, best first: beside it, above, below, then at the corners.
 fn near_places(disc: &Rect, text: &str) -> [Rect; 8] {
     let (width, height) = extent(text);
     let (w, h, side, gap) = (width as i32, height as i32, disc.width as i32, 2);
@@ -158,7 +162,7 @@ fn near_places(disc: &Rect, text: &str) -> [Rect; 8] {
     places.map(|(x, y)| Rect { x, y, width, height })
 }
 
-/// Places around a disc at two distances, the nearer ones first.
+/// Returns places around a disc at two distances, the nearer ones first.
 fn far_places(disc: &Rect, text: &str) -> Vec<Rect> {
     let (width, height) = extent(text);
     let (x, y) = centre(disc);
@@ -176,7 +180,7 @@ fn far_places(disc: &Rect, text: &str) -> Vec<Rect> {
     [9, 18].into_iter().flat_map(around).collect()
 }
 
-/// The line from the middle of a disc to the nearest place on a label.
+/// Returns the line from the middle of a disc to the nearest point of a label.
 fn leader(disc: &Rect, label: &Rect) -> [Point; 2] {
     let (x, y) = centre(disc);
     let to = |from: i32, start: i32, length: u32| from.clamp(start, start + length as i32);
@@ -187,7 +191,7 @@ fn centre(rect: &Rect) -> (i32, i32) {
     (rect.x + rect.width as i32 / 2, rect.y + rect.height as i32 / 2)
 }
 
-/// Text with white around each letter, readable on any surface.
+/// Writes text with white around each letter, readable on any surface.
 fn halo_text(picture: &mut Picture, x: i32, y: i32, text: &str, colour: Colour) {
     // The rect begins where the letters do, two rows below the top of the font's cell.
     let y = y - 2;

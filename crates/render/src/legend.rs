@@ -1,4 +1,4 @@
-//! The bar that says which colour means what.
+//! The bar that explains the colours of values.
 
 use crate::colour::{FAINT, INK};
 use crate::picture::{Picture, Rect};
@@ -6,19 +6,18 @@ use crate::scale::Scale;
 use crate::text::Size;
 
 const SIZE: Size = Size::Small;
-/// Pixels of a tick's line.
+/// The length of a tick in pixels.
 const TICK: u32 = 4;
-/// Pixels of the bar's shorter side, and of the tip that stands for values over the end.
+/// Pixels of the bar's shorter side, and of the tip for values over the end.
 const THICKNESS: u32 = 12;
 const TIP: u32 = 7;
-/// Pixels of the longest bar.
-const LONGEST: u32 = 1 << 14;
+/// The greatest length of a bar in pixels; a longer one would take time and no picture shows it.
+const MAX_LENGTH: u32 = 1 << 14;
 
-/// Draws a scale's colours as a bar with round numbers and a unit into an area of a picture: along its longer side,
-/// upwards or to the right.
+/// Draws a scale's colours as a bar with round numbers and a unit into an area of a picture.
 ///
-/// If values lie over the end, the bar ends in a tip and the number there begins with ">". About 200 × 30 or 80 × 150
-/// pixels read well; in an area too small numbers are left out.
+/// The bar runs along the longer side of the area, to the right or upwards. If values lie over its end, it has a tip
+/// there, and the number begins with ">". About 200 × 30 or 80 × 150 pixels read well; a smaller area lacks numbers.
 pub fn legend(picture: &mut Picture, area: Rect, scale: &Scale, unit: &str) {
     let area = area.within_reach();
     if area.width >= area.height { across(picture, area, scale, unit) } else { upwards(picture, area, scale, unit) }
@@ -31,8 +30,7 @@ fn across(picture: &mut Picture, area: Rect, scale: &Scale, unit: &str) {
     let overhang = labels.iter().map(|label| SIZE.width(&label.text)).max().unwrap_or(0) / 2;
     let tip = if scale.over { TIP } else { 0 };
     let right = if unit.is_empty() { overhang.max(tip) } else { (SIZE.width(&unit) + 6 + tip).max(overhang) };
-    // A bar longer than any picture would only take long.
-    let length = area.width.saturating_sub(overhang + right).min(LONGEST);
+    let length = area.width.saturating_sub(overhang + right).min(MAX_LENGTH);
     if length < 8 || area.height < SIZE.height() {
         return;
     }
@@ -73,7 +71,7 @@ fn upwards(picture: &mut Picture, area: Rect, scale: &Scale, unit: &str) {
     let heading = if unit.is_empty() { 0 } else { SIZE.height() + 3 };
     let tip = if scale.over { TIP } else { 0 };
     let above = heading + half.max(tip);
-    let length = area.height.saturating_sub(above + half).min(LONGEST);
+    let length = area.height.saturating_sub(above + half).min(MAX_LENGTH);
     if length < 8 || area.width < THICKNESS {
         return;
     }
@@ -88,8 +86,8 @@ fn upwards(picture: &mut Picture, area: Rect, scale: &Scale, unit: &str) {
     if !scale.over {
         picture.frame(Rect { x: area.x, y: area.y + above as i32, width: THICKNESS, height: length }, FAINT);
     }
-    let most = (length / (SIZE.height() + 4)).clamp(2, 6);
-    for label in labels(scale, most as usize) {
+    let max_count = (length / (SIZE.height() + 4)).clamp(2, 6);
+    for label in labels(scale, max_count as usize) {
         let y = bottom - (f64::from(length - 1) * label.place).round() as i32;
         let x = area.x + THICKNESS as i32;
         picture.fill(Rect { x, y, width: TICK, height: 1 }, FAINT);
@@ -103,16 +101,16 @@ fn upwards(picture: &mut Picture, area: Rect, scale: &Scale, unit: &str) {
 /// A number beside the bar.
 #[derive(Debug, PartialEq)]
 struct Label {
-    /// 0 at the low end, 1 at the high end.
+    /// The place along the bar: 0 at the low end, 1 at the high end.
     place: f64,
     text: String,
-    /// Whether it begins with ">".
+    /// Whether the text begins with ">".
     over: bool,
 }
 
-/// The numbers of a scale; with values over the end, the last is the end itself.
-fn labels(scale: &Scale, most: usize) -> Vec<Label> {
-    let ticks = scale.ticks(most);
+/// Returns at most `max_count` numbers of a scale; with values over the end, the last is the end itself.
+fn labels(scale: &Scale, max_count: usize) -> Vec<Label> {
+    let ticks = scale.ticks(max_count);
     let length = scale.high - scale.low;
     let (Some(first), Some(last)) = (ticks.first(), ticks.last()) else { return Vec::new() };
     let step = if ticks.len() > 1 { (last - first) / (ticks.len() - 1) as f64 } else { length };
@@ -131,7 +129,7 @@ fn labels(scale: &Scale, most: usize) -> Vec<Label> {
     labels
 }
 
-/// A number with the decimals that a step of this size needs.
+/// Writes a number with the decimals that a step of this size needs.
 fn number(value: f64, step: f64) -> String {
     let exponent = (step.abs() * (1.0 + 1e-9)).log10().floor();
     let value = if value.abs() < step * 1e-6 { 0.0 } else { value };

@@ -1,10 +1,10 @@
 //! Pictures of triangle meshes, drawn without a graphics card or a display.
 //!
 //! In reading order:
-//! - [`Picture`]: pixels, written as PNG, with text and lines;
-//! - [`View`]: an orthographic camera that frames a bounding box from a [`Direction`];
-//! - [`Canvas`]: the depth buffer that meshes and numbered [`Dot`]s are drawn into, and its [`Paint`]s;
-//! - [`Scale`] and [`legend`]: values as colours, and the bar that explains them;
+//! - [`Picture`]: pixels with text and lines, written as PNG;
+//! - [`View`]: an orthographic camera that frames points from a [`Direction`];
+//! - [`Canvas`]: the depth buffer that meshes with their [`Paint`] and numbered [`Dot`]s are drawn into;
+//! - [`Scale`] and [`legend`]: the colours of values, and the bar that explains them;
 //! - [`sheet`]: pictures in rows and columns with captions.
 //!
 //! ```
@@ -20,12 +20,13 @@
 //! assert!(picture.png().starts_with(b"\x89PNG"));
 //! ```
 //!
-//! Nothing here fails or panics on bad input: what cannot be drawn (a coordinate that is not finite, a corner without a
-//! vertex) is left out and counted in [`Drawn`]. A picture depends on its input alone, to the last bit; callers draw
-//! several pictures at once on as many threads as they like.
+//! Nothing here fails or panics on bad input. Triangles that cannot be drawn, because a coordinate is not finite or a
+//! corner names no vertex, are left out and counted in [`Drawn`]. A picture depends on its input alone, to the last bit,
+//! and several can be drawn at once on as many threads.
 //!
-//! The depth buffer is our own because the one rasteriser crate that needs no graphics card, euc, has had no release since
-//! 2020; text and lines are embedded-graphics', files are png's.
+//! embedded-graphics draws text and lines, png writes files, and quantizr reduces colours: on these pictures its files are
+//! smaller and closer to the original than quantette's and color_quant's. The depth buffer is our own because the one
+//! rasteriser crate that needs no graphics card, euc, has had no release since 2020.
 
 mod bounds;
 mod canvas;

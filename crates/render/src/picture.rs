@@ -1,4 +1,4 @@
-//! A picture: pixels that can be filled, pasted and drawn on with embedded-graphics.
+//! Pictures of pixels that can be filled, pasted and drawn on.
 
 use crate::colour::{Colour, mix};
 use embedded_graphics::Pixel;
@@ -21,7 +21,7 @@ pub struct Rect {
 }
 
 impl Rect {
-    /// Whether the two share a pixel.
+    /// Returns whether the two share a pixel.
     pub fn overlaps(&self, other: &Rect) -> bool {
         let apart = |a: i32, a_length: u32, b: i32, b_length: u32| {
             i64::from(a) + i64::from(a_length) <= i64::from(b) || i64::from(b) + i64::from(b_length) <= i64::from(a)
@@ -29,7 +29,7 @@ impl Rect {
         !apart(self.x, self.width, other.x, other.width) && !apart(self.y, self.height, other.y, other.height)
     }
 
-    /// The rectangle itself, or one as far out of sight whose edges can be reckoned with without overflow.
+    /// Clamps the rectangle so that sums of its edges do not overflow; what is clamped lies out of sight.
     pub(crate) fn within_reach(&self) -> Rect {
         const REACH: i32 = 1 << 24;
         Rect {
@@ -40,7 +40,7 @@ impl Rect {
         }
     }
 
-    /// Whether all of `other` lies inside.
+    /// Returns whether all of `other` lies inside.
     pub fn contains(&self, other: &Rect) -> bool {
         let inside = |a: i32, a_length: u32, b: i32, b_length: u32| {
             a <= b && i64::from(b) + i64::from(b_length) <= i64::from(a) + i64::from(a_length)
@@ -49,7 +49,7 @@ impl Rect {
     }
 }
 
-/// Pixels row by row from the upper left; what is drawn beyond the edges is left out.
+/// A picture of pixels; what is drawn beyond its edges is left out.
 ///
 /// It is a [`DrawTarget`] of embedded-graphics, so anything drawn by that crate can be added.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -63,17 +63,17 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// A picture of one colour.
+    /// Returns a picture of one colour.
     pub fn new(width: u32, height: u32, background: Colour) -> Self {
         Self { width, height, pixels: vec![background; width as usize * height as usize] }
     }
 
-    /// The colour at a place; `None` outside.
+    /// Returns the colour of a pixel; `None` outside the picture.
     pub fn at(&self, x: i32, y: i32) -> Option<Colour> {
         self.index(x, y).and_then(|i| self.pixels.get(i).copied())
     }
 
-    /// Covers the pixel at a place with a colour, to the share `cover` (0 to 1).
+    /// Covers a pixel with a colour, to the share `cover` (0 to 1).
     pub fn blend(&mut self, x: i32, y: i32, colour: Colour, cover: f64) {
         if let Some(pixel) = self.index(x, y).and_then(|i| self.pixels.get_mut(i)) {
             *pixel = mix(*pixel, colour, cover);
@@ -103,12 +103,14 @@ impl Picture {
         self.fill(Rect { x: x.saturating_add_unsigned(width - 1), width: 1, ..rect }, colour);
     }
 
-    /// A smooth-edged disc around a place, which counts from the upper left corner of the first pixel.
+    /// Draws a smooth-edged disc around a place, counted in pixels from the upper left corner of the picture.
     pub fn disc(&mut self, x: f64, y: f64, radius: f64, colour: Colour) {
         self.ring(x, y, 0.0, radius, colour, 1.0);
     }
 
-    /// A smooth-edged ring from the radius `inner` to `outer`, covering to the share `cover`; a disc if `inner` is 0.
+    /// Draws a smooth-edged ring from the radius `inner` to `outer`, covering to the share `cover` (0 to 1).
+    ///
+    /// If `inner` is 0 the ring is a disc.
     pub fn ring(&mut self, x: f64, y: f64, inner: f64, outer: f64, colour: Colour, cover: f64) {
         if !(x.is_finite() && y.is_finite() && outer.is_finite() && outer > 0.0) {
             return;
@@ -124,7 +126,7 @@ impl Picture {
         }
     }
 
-    /// Copies another picture to a place.
+    /// Copies another picture into this one, its upper left corner at a pixel.
     pub fn paste(&mut self, other: &Picture, x: i32, y: i32) {
         let rect = Rect { x, y, width: other.width, height: other.height };
         let (columns, rows) = self.visible(rect);
@@ -140,7 +142,7 @@ impl Picture {
         }
     }
 
-    /// The columns and rows of a rectangle that lie in the picture.
+    /// Returns the columns and rows of a rectangle that lie in the picture.
     fn visible(&self, rect: Rect) -> (std::ops::Range<usize>, std::ops::Range<usize>) {
         let clip = |from: i32, length: u32, end: u32| {
             let start = i64::from(from).clamp(0, i64::from(end));

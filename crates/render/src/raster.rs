@@ -1,17 +1,17 @@
 //! Filling triangles into a depth buffer.
 //!
-//! Corners are snapped to 1/256 of a sample and compared in integers, so triangles that share an edge neither overlap
+//! Corners are snapped to 1/256 of a sample and compared in integers, so that triangles with a common edge neither overlap
 //! nor leave a gap, in whatever order they come. A sample holds its depth in the upper and its colour in the lower half
-//! of one number and keeps the least: of surfaces in the same place the same one wins every time.
+//! of one number and keeps the least. So of surfaces in the same place the same one wins every time.
 
 use crate::colour::Colour;
 use crate::shade::Shade;
 
-/// Steps in a sample.
+/// Corners are snapped to this part of a sample.
 const STEPS: i32 = 256;
 
-/// Beyond this many samples from the origin a corner is not drawn; products of two differences stay below 2^62.
-const FARTHEST: f64 = 2_097_152.0;
+/// A corner farther from the origin than this many samples is not drawn; products of two differences stay below 2^62.
+const MAX_DISTANCE: f64 = 2_097_152.0;
 
 /// A corner in the depth buffer.
 #[derive(Clone, Copy, Debug)]
@@ -22,9 +22,9 @@ pub(crate) struct Corner {
 }
 
 impl Corner {
-    /// The corner at a place counted in samples; `None` if it lies too far off to be drawn.
+    /// Returns the corner at a place counted in samples; `None` if it lies too far off to be drawn.
     pub(crate) fn new(x: f64, y: f64, depth: f64) -> Option<Self> {
-        let within = x.abs() <= FARTHEST && y.abs() <= FARTHEST && depth.abs() <= f64::from(f32::MAX);
+        let within = x.abs() <= MAX_DISTANCE && y.abs() <= MAX_DISTANCE && depth.abs() <= f64::from(f32::MAX);
         let snap = |c: f64| (c * f64::from(STEPS)).round() as i32;
         within.then(|| Self { x: snap(x), y: snap(y), depth: depth as f32 })
     }
@@ -45,7 +45,7 @@ impl Samples {
         Self { width, height, nearest: vec![EMPTY; width * height] }
     }
 
-    /// The depth and colour of the nearest surface; `None` where there is none.
+    /// Returns the depth and colour of the nearest surface; `None` where there is none.
     pub(crate) fn at(&self, x: usize, y: usize) -> Option<(f32, Colour)> {
         if x >= self.width || y >= self.height {
             return None;
@@ -55,8 +55,9 @@ impl Samples {
         (packed != EMPTY).then(|| (from_ordered((packed >> 32) as u32), [r, g, b]))
     }
 
-    /// Draws a triangle; `shade` gives the colour of a sample from whether the front is seen and the barycentric
-    /// coordinates, and is asked only where the triangle is nearest so far.
+    /// Draws a triangle.
+    ///
+    /// `make_shade` gets whether the front is seen, and is called only if some sample of the triangle is nearest so far.
     pub(crate) fn fill(&mut self, corners: [Corner; 3], make_shade: impl FnOnce(bool) -> Shade) {
         let [mut a, mut b, c] = corners;
         let area = edge(a, b, c.x, c.y);
@@ -110,18 +111,18 @@ impl Samples {
     }
 }
 
-/// Twice the area of the triangle of an edge and a point: positive on its right as seen with y down.
+/// Returns twice the area of the triangle of an edge and a point: positive on its right as seen with y down.
 fn edge(from: Corner, to: Corner, x: i32, y: i32) -> i64 {
     i64::from(to.x - from.x) * (i64::from(y) - i64::from(from.y))
         - i64::from(to.y - from.y) * (i64::from(x) - i64::from(from.x))
 }
 
-/// Of the two triangles at an edge the one that has it at its left or its top owns the samples on it.
+/// Returns whether a triangle owns the samples on its edge, which it does if the edge is at its left or its top.
 fn owns(from: Corner, to: Corner) -> bool {
     to.y < from.y || (to.y == from.y && to.x > from.x)
 }
 
-/// Bits that sort as the numbers do.
+/// Returns bits that sort as the numbers do.
 fn to_ordered(depth: f32) -> u32 {
     let bits = depth.to_bits();
     if bits >> 31 == 1 { !bits } else { bits | 1 << 31 }

@@ -1,45 +1,46 @@
-//! Values as colours.
+//! The colours of values.
 
 use crate::colour::{Colour, from_oklab};
 use std::sync::LazyLock;
 
-/// Anchors of the colour map as chroma and hue (degrees) in OKLab: sand, ochre, vermilion, crimson, violet.
+/// The anchors of the colour map as chroma and hue (degrees) in OKLab: sand, ochre, vermilion, crimson, violet.
 const ANCHORS: [(f64, f64); 5] = [(0.022, 95.0), (0.112, 80.0), (0.165, 45.0), (0.160, 10.0), (0.100, -48.0)];
 /// OKLab lightness at the low and the high end.
 const LIGHTNESS: [f64; 2] = [0.945, 0.27];
 
-/// Colours from `low` to `high`: light to dark.
+/// A scale of colours from `low` (light) to `high` (dark).
 ///
-/// Lightness falls evenly in OKLab while the hue goes from sand over vermilion to violet, so the order of values is seen
-/// in grey print and without telling red from green, and on a white page much of a quantity is much ink.
+/// Lightness falls evenly in OKLab while the hue goes from sand over vermilion to violet. So the order of values shows in
+/// grey print and to the colour-blind, and on a white page much of a quantity is much ink.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scale {
     /// The value of the lightest colour.
     pub low: f64,
-    /// The value of the darkest colour, which greater values have too.
+    /// The value of the darkest colour; greater values have it too.
     pub high: f64,
-    /// Whether there are values above `high`; the [legend](crate::legend()) then says so.
+    /// Whether there are values above `high`, which the [legend](crate::legend()) shows.
     pub over: bool,
 }
 
 impl Scale {
-    /// A scale from `low` to `high`, with nothing above it.
+    /// Returns a scale from `low` to `high`, with no values above it.
     pub fn new(low: f64, high: f64) -> Self {
         Self { low, high, over: false }
     }
 
-    /// A scale with round ends for these values: from 0 (or, if some are negative, the least) to where all but the
-    /// greatest two in a hundred lie, so that a few outliers do not make all else look alike.
+    /// Returns a scale with round ends for values, to be taken over all poses of a comparison.
     ///
-    /// Take it over all poses of a comparison. Values that are not finite do not count; without any it is 0 to 1.
+    /// It begins at 0, or at the least value if that is negative. It ends where all but the greatest two in a hundred lie,
+    /// so that a few outliers do not make all else look alike. Values that are not finite do not count; without any the
+    /// scale is 0 to 1.
     pub fn covering(values: impl IntoIterator<Item = f64>) -> Self {
         let mut values: Vec<f64> = values.into_iter().filter(|value| value.is_finite()).collect();
         values.sort_unstable_by(f64::total_cmp);
         let (Some(&least), Some(&greatest)) = (values.first(), values.last()) else { return Self::new(0.0, 1.0) };
         // Rounded up, so that with few values none is an outlier.
-        let most = values[((values.len() - 1) as f64 * 0.98).ceil() as usize];
+        let common = values[((values.len() - 1) as f64 * 0.98).ceil() as usize];
         let low = least.min(0.0);
-        let high = if most > low { most } else { greatest };
+        let high = if common > low { common } else { greatest };
         let step = step(high - low, 5);
         if !(step.is_finite() && step > 0.0) {
             return Self::new(low, if low < 0.0 { 0.0 } else { 1.0 });
@@ -49,30 +50,30 @@ impl Scale {
         Self { low, high, over: greatest > high }
     }
 
-    /// The colour of a value; values beyond an end have that end's, and what is not a number is
-    /// [grey](crate::colour::GREY).
+    /// Returns the colour of a value: beyond an end that of the end, and for NaN [grey](crate::colour::GREY).
     pub fn colour(&self, value: f64) -> Colour {
         let place = self.place(value);
         if place.is_nan() { crate::colour::GREY } else { Self::colour_at(place) }
     }
 
-    /// Round numbers on the scale, 1, 2 or 5 times a power of ten apart, at most `most` of them (`most` below 2 counts as
-    /// 2); none if the scale is empty.
-    pub fn ticks(&self, most: usize) -> Vec<f64> {
-        let most = most.max(2);
+    /// Returns at most `max_count` round numbers on the scale, 1, 2 or 5 times a power of ten apart.
+    ///
+    /// A `max_count` below 2 counts as 2. An empty scale has none.
+    pub fn ticks(&self, max_count: usize) -> Vec<f64> {
+        let max_count = max_count.max(2);
         // As many parts as numbers may give one number too many, where both ends are round.
         let ticks = |parts: usize| -> Option<Vec<f64>> {
             let step = step(self.high - self.low, parts);
             let (first, last) = ((self.low / step - 1e-9).ceil(), (self.high / step + 1e-9).floor());
             // Beyond 2^53 neighbouring multiples are no longer told apart.
             let count = if first.abs().max(last.abs()) < 9e15 { last - first + 1.0 } else { f64::NAN };
-            let fits = (0.0..=most as f64).contains(&count);
+            let fits = (0.0..=max_count as f64).contains(&count);
             fits.then(|| (0..count as usize).map(|i| multiple(first + i as f64, step)).collect())
         };
-        ticks(most).or_else(|| ticks(most - 1)).unwrap_or_default()
+        ticks(max_count).or_else(|| ticks(max_count - 1)).unwrap_or_default()
     }
 
-    /// Where a value lies: 0 at the low end, 1 at the high end, at most a thousand lengths beyond either.
+    /// Returns the place of a value: 0 at the low end, 1 at the high end, at most a thousand lengths beyond either.
     pub(crate) fn place(&self, value: f64) -> f32 {
         let length = self.high - self.low;
         let place = if length > 0.0 && length.is_finite() {
@@ -84,7 +85,7 @@ impl Scale {
         place.clamp(-1e3, 1e3) as f32
     }
 
-    /// The colour at a place from 0 to 1.
+    /// Returns the colour at a place from 0 to 1.
     pub(crate) fn colour_at(place: f32) -> Colour {
         static COLOURS: LazyLock<[Colour; 256]> = LazyLock::new(|| std::array::from_fn(|i| formula(i as f64 / 255.0)));
         // Such a cast rounds down, and puts what is below zero, and not a number, at zero.
@@ -92,7 +93,7 @@ impl Scale {
     }
 }
 
-/// The colour map: straight lines between the anchors' a and b, and one straight line of lightness.
+/// Computes the colour map: straight lines between the anchors' a and b, and one straight line of lightness.
 fn formula(place: f64) -> Colour {
     let along = place * (ANCHORS.len() - 1) as f64;
     let from = (along as usize).min(ANCHORS.len() - 2);
@@ -103,7 +104,7 @@ fn formula(place: f64) -> Colour {
     from_oklab([lightness, a + (next_a - a) * share, b + (next_b - b) * share])
 }
 
-/// The least of 1, 2 and 5 times a power of ten of which at most `parts` go into a length.
+/// Returns the least of 1, 2 and 5 times a power of ten of which at most `parts` go into a length.
 fn step(length: f64, parts: usize) -> f64 {
     let least = length / parts as f64;
     if !(least.is_finite() && least > 0.0) {
@@ -116,7 +117,7 @@ fn step(length: f64, parts: usize) -> f64 {
     steps.into_iter().find(|step| *step >= least * (1.0 - 1e-9)).unwrap_or(f64::NAN)
 }
 
-/// A multiple of a step without the rounding that would show as 0.30000000000000004.
+/// Returns a multiple of a step without the rounding that would show as 0.30000000000000004.
 fn multiple(count: f64, step: f64) -> f64 {
     let over = (1.0 / step).round();
     // Steps of 0.1, 0.02, 0.005 and so on divide a whole number exactly.
@@ -178,11 +179,11 @@ mod tests {
 
     proptest! {
         #[test]
-        fn ticks_lie_on_the_scale_and_are_few(low in -1e3..1e3, length in 1e-9..1e9, most in 2usize..12) {
+        fn ticks_lie_on_the_scale_and_are_few(low in -1e3..1e3, length in 1e-9..1e9, max_count in 2usize..12) {
             let low = low * length;
             let scale = Scale::new(low, low + length);
-            let ticks = scale.ticks(most);
-            prop_assert!(ticks.len() <= most);
+            let ticks = scale.ticks(max_count);
+            prop_assert!(ticks.len() <= max_count);
             // A billionth of a step beyond an end counts as on it, and a step is at most ten lengths.
             prop_assert!(ticks.iter().all(|t| *t >= low - 1e-6 * length && *t <= scale.high + 1e-6 * length));
         }

@@ -1,36 +1,36 @@
-//! Light: how bright a surface is for its colour, normal and side.
+//! The light on a surface, by its colour, normal and side.
 
 use crate::colour::{Colour, GREY};
 use crate::scale::Scale;
 
-/// From the surface to the light: upper left of the camera (right, up, towards the camera), of unit length.
+/// The unit vector from a surface to the light, at the camera's upper left: right, up, towards the camera.
 const LIGHT: [f32; 3] = [-0.418_28, 0.557_71, 0.716_93];
-/// Halfway between light and camera, of unit length: the normal of a highlight.
+/// The unit vector halfway between light and camera, which is the normal of a highlight.
 const HIGHLIGHT: [f32; 3] = [-0.225_72, 0.300_96, 0.926_52];
-/// The colour that the inside of a surface is tinted with.
+/// The tint of a surface's inside.
 const INSIDE: [f32; 3] = [120.0, 44.0, 36.0];
 /// Brightness is rounded to steps of 1 / 96 so that a picture has few colours and a small file.
 const STEPS: f32 = 96.0;
 
-/// What colours a triangle: its own colour, or values at its corners.
+/// The colour of a triangle before it is lit.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Base {
     Colour(Colour),
-    /// Places on a scale at the corners, 0 its low and 1 its high end.
+    /// Places on a scale at the corners: 0 its low end, 1 its high end.
     Places([f32; 3]),
 }
 
-/// The colour of one triangle from place to place.
+/// The lit colours of one triangle.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Shade {
     base: Base,
-    /// Unit normals at the corners of the side that is seen: right, up, towards the camera.
+    /// Unit normals at the corners, of the visible side: right, up, towards the camera.
     normals: [[f32; 3]; 3],
     front: bool,
 }
 
 impl Shade {
-    /// From unit normals at the corners, of the front side, whichever is seen.
+    /// Takes unit normals at the corners, always those of the front side.
     pub(crate) fn new(base: Base, normals: [[f32; 3]; 3], front: bool) -> Self {
         let normals = if front { normals } else { normals.map(|normal| normal.map(|c| -c)) };
         Self { base, normals, front }
@@ -41,7 +41,7 @@ impl Shade {
         Self::new(Base::Colour(colour), [LIGHT; 3], true)
     }
 
-    /// The colour at barycentric coordinates.
+    /// Returns the colour at barycentric coordinates.
     pub(crate) fn colour(&self, barycentric: [f32; 3]) -> Colour {
         let [u, v, w] = barycentric;
         let [p, q, r] = &self.normals;
@@ -60,7 +60,7 @@ impl Shade {
     }
 }
 
-/// How a surface answers to light.
+/// The brightness of a surface in light and shadow.
 struct Material {
     /// Brightness in full shadow, and what full light adds.
     dark: f32,
@@ -70,7 +70,7 @@ struct Material {
 }
 
 const SURFACE: Material = Material { dark: 0.44, span: 0.64, shine: 0.18 };
-/// Colours that mean a value keep closer to themselves.
+/// Light changes colours of values less, so that they can be read.
 const MAP: Material = Material { dark: 0.66, span: 0.36, shine: 0.04 };
 
 fn light(base: [f32; 3], normal: [f32; 3], material: &Material, front: bool) -> Colour {
@@ -88,7 +88,7 @@ fn light(base: [f32; 3], normal: [f32; 3], material: &Material, front: bool) -> 
     }
 }
 
-/// The nearest step of brightness to a number that is not negative.
+/// Rounds a brightness, which is not negative, to the nearest step.
 fn stepped(value: f32) -> f32 {
     f32::from((value * STEPS + 0.5) as u16) / STEPS
 }
@@ -100,7 +100,7 @@ fn power_24(base: f32) -> f32 {
     twelfth * twelfth
 }
 
-/// The vector at unit length; `None` if it has none.
+/// Scales a vector to unit length; `None` if it is zero or not finite.
 pub(crate) fn unit(vector: [f32; 3]) -> Option<[f32; 3]> {
     let over_length = 1.0 / dot(vector, vector).sqrt();
     (over_length.is_finite() && over_length > 0.0).then(|| vector.map(|c| c * over_length))

@@ -12,13 +12,13 @@ const GAP: u32 = 8;
 pub struct Cell {
     /// The picture.
     pub picture: Picture,
-    /// The line below, shortened with "…" where it is wider than the column; may be empty.
+    /// The text below, cut with "…" where it is wider than the column; it may be empty.
     pub caption: String,
 }
 
-/// A contact sheet: rows of cells, each column as wide as its widest picture, below a title.
+/// Draws a contact sheet: rows of cells below a title, each column as wide as its widest picture.
 ///
-/// Rows may differ in length; an empty title or row takes no room. Pictures are set in the middle of their cells.
+/// Rows may differ in length; an empty title or row takes no room. Pictures stand in the middle of their cells.
 pub fn sheet(title: &str, rows: &[Vec<Cell>]) -> Picture {
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
     let width_of = |column: usize| rows.iter().filter_map(|row| row.get(column)).map(|cell| cell.picture.width).max();
@@ -52,7 +52,7 @@ pub fn sheet(title: &str, rows: &[Vec<Cell>]) -> Picture {
     page
 }
 
-/// Pixels down of a row's pictures and of its captions.
+/// Returns the heights of a row's pictures and of its captions, in pixels.
 fn heights(row: &[Cell]) -> (u32, u32) {
     let picture = row.iter().map(|cell| cell.picture.height).max().unwrap_or(0);
     let has_caption = row.iter().any(|cell| !cell.caption.is_empty());

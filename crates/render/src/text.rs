@@ -11,32 +11,34 @@ use embedded_graphics::text::{Baseline, Text};
 /// The size of text.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Size {
-    /// 6 × 13 pixels a character: ticks and labels of dots.
+    /// 6 × 13 pixels a character, for ticks and labels of dots.
     Small,
-    /// 7 × 13 pixels a character, bold: captions.
+    /// 7 × 13 pixels a character, bold, for captions.
     #[default]
     Normal,
-    /// 10 × 20 pixels a character: titles.
+    /// 10 × 20 pixels a character, for titles.
     Large,
 }
 
 impl Size {
-    /// Pixels from one character to the next.
+    /// Returns the pixels from one character to the next.
     pub fn advance(self) -> u32 {
         self.font().character_size.width
     }
 
-    /// Pixels from the top of a line to the next.
+    /// Returns the pixels from the top of a line to the next.
     pub fn height(self) -> u32 {
         self.font().character_size.height
     }
 
-    /// Pixels across of a text, as [`Picture::text`] draws it.
+    /// Returns the width in pixels of a text drawn by [`Picture::text`].
     pub fn width(self, text: &str) -> u32 {
         u32::try_from(text.chars().count()).map_or(u32::MAX, |count| count.saturating_mul(self.advance()))
     }
 
-    /// The text, or as much of its beginning as fits into `width` pixels with "…" after it; empty if not even that fits.
+    /// Returns the text, or the beginning that fits into `width` pixels with "…" after it.
+    ///
+    /// The result is empty if there is no room for "…".
     pub fn shortened(self, text: &str, width: u32) -> String {
         let room = (width / self.advance()) as usize;
         if text.chars().nth(room).is_none() {
@@ -61,7 +63,7 @@ impl Size {
 impl Picture {
     /// Writes a line of text with its upper left corner at a place.
     ///
-    /// Dashes, quotes and the minus sign of typography become their plain forms, and a character that the font lacks "?".
+    /// Typographic dashes, quotes and minus signs become plain ones. Other characters that the font lacks become "?".
     pub fn text(&mut self, x: i32, y: i32, text: &str, size: Size, colour: Colour) {
         let advance = size.advance() as i32;
         let style = MonoTextStyle::new(size.font(), Rgb888::new(colour[0], colour[1], colour[2]));
@@ -87,7 +89,7 @@ impl Picture {
         }
     }
 
-    /// The fonts have no "…", so three dots are set into the width of one character.
+    /// Draws "…", which the fonts lack, as three dots in the width of one character.
     fn ellipsis(&mut self, x: i32, y: i32, size: Size, colour: Colour) {
         let font = size.font();
         let dot = (font.character_size.width / 7).max(1);
@@ -99,7 +101,7 @@ impl Picture {
     }
 }
 
-/// The character, or what stands for it in ISO 8859-1.
+/// Returns the character, or its replacement in ISO 8859-1.
 fn printable(character: char) -> char {
     match character {
         ' '..='~' | '\u{a1}'..='\u{ff}' => character,

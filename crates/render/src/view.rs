@@ -2,7 +2,7 @@
 
 use nalgebra::{Point3, Vector3};
 
-/// The side of a picture's frame that is left free around what is framed, as a share of the frame.
+/// The margin around the framed points, as a share of the picture's side.
 const MARGIN: f64 = 0.04;
 
 /// The axis that points up in the mesh's file.
@@ -20,16 +20,16 @@ pub enum UpAxis {
 /// Where the camera stands.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Direction {
-    /// Before the mesh: sees what faces +z (y up), −y (z up) or +y (x up).
+    /// In front of the mesh: sees what faces +z (y up), −y (z up) or +y (x up).
     Front,
     /// To the right of the front: sees what faces +x (y or z up) or +z (x up).
     Side,
-    /// Above, the front at the lower edge.
+    /// Above the mesh, with its front at the lower edge of the picture.
     Top,
     /// Between front and side, a little above.
     #[default]
     ThreeQuarter,
-    /// Anywhere: turned to the right from the front by `yaw` and raised by `pitch`, in degrees.
+    /// Anywhere: turned from the front to the right by `yaw` and raised by `pitch`, in degrees.
     Angles {
         /// Degrees about the up axis; 0 is the front, 90 the side.
         yaw: f64,
@@ -45,27 +45,27 @@ pub struct Placed {
     pub x: f64,
     /// Pixels from the upper edge.
     pub y: f64,
-    /// Distance from the camera in pixels, growing away from it; 0 at the middle of what is framed.
+    /// Distance from the camera in pixels, growing away from it; 0 at the middle of the framed points.
     pub depth: f64,
 }
 
-/// An orthographic camera and what it frames, in the unit of the mesh.
+/// An orthographic camera and the box that it frames, in the unit of the mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
     /// Unit vectors to the right of the picture, up, and towards the camera.
     axes: [Vector3<f64>; 3],
-    /// The framed middle, along `axes`.
+    /// The middle of the framed box, along `axes`.
     centre: Vector3<f64>,
-    /// Half of what is framed along `axes`, at least one of the first two above zero.
+    /// Half the size of the framed box along `axes`, at least one of the first two above zero.
     half: Vector3<f64>,
 }
 
 impl View {
-    /// The view from a direction that just holds all points.
+    /// Returns the view from a direction that just holds all points.
     ///
-    /// Give it the positions of a mesh, or of all its poses so that their pictures have one scale; the
-    /// [corners](crate::Bounds::corners) of a box do too, but leave more room around an oblique view. Points that are
-    /// not finite do not count; with no point at all the unit box is framed.
+    /// The points are the positions of a mesh, or of all its poses so that their pictures have one scale. The
+    /// [corners](crate::Bounds::corners) of a box serve too, but leave more room around an oblique view. Points that are
+    /// not finite do not count; without any the unit box is framed.
     pub fn fit(points: impl IntoIterator<Item = Point3<f64>>, direction: Direction, up: UpAxis) -> Self {
         Self::frame(axes(direction, up), points)
     }
@@ -91,29 +91,31 @@ impl View {
         Self { axes, centre, half }
     }
 
-    /// A point's place in a picture of this size in pixels; `None` if it is not finite there.
+    /// Returns a point's place in a picture of a size in pixels; `None` if it is not finite there.
     ///
-    /// What is framed is centred and as large as fits with a margin, the same scale across and down.
+    /// The framed box is centred and as large as fits with a margin, at the same scale across and down.
     pub fn project(&self, point: &Point3<f64>, width: f64, height: f64) -> Option<Placed> {
         let [x, y, z] = self.seen(self.pixels_per_unit(width, height), point);
         let placed = Placed { x: width / 2.0 + x, y: height / 2.0 - y, depth: -z };
         (placed.x.is_finite() && placed.y.is_finite() && placed.depth.is_finite()).then_some(placed)
     }
 
-    /// Pixels for a unit of length in a picture of this size.
+    /// Returns the pixels of a unit of length in a picture of a size in pixels.
     pub fn pixels_per_unit(&self, width: f64, height: f64) -> f64 {
         let share = |pixels: f64, half: f64| if half > 0.0 { pixels * (0.5 - MARGIN) / half } else { f64::INFINITY };
         let scale = share(width, self.half.x).min(share(height, self.half.y));
         if scale.is_finite() { scale.max(0.0) } else { 0.0 }
     }
 
-    /// Width over height of what is framed; wide pictures suit a large figure, tall ones a small one.
+    /// Returns width over height of the framed box: above 1 it suits a wide picture, below 1 a tall one.
     pub fn aspect(&self) -> f64 {
         let least = self.half.x.max(self.half.y) * 1e-3;
         self.half.x.max(least) / self.half.y.max(least)
     }
 
-    /// The view that holds what this and another one from the same direction hold, for poses that come one by one.
+    /// Returns the view that frames the boxes of both views, for poses that come one by one.
+    ///
+    /// Its direction is that of `self`.
     pub fn and(&self, other: &View) -> View {
         // Where the directions differ, the other's ends are those of its box.
         let corners = |view: &View| {
@@ -129,7 +131,7 @@ impl View {
         Self::frame(self.axes, points)
     }
 
-    /// A point relative to the middle, scaled: to the right, up, towards the camera.
+    /// Returns a point relative to the middle, scaled: to the right, up, towards the camera.
     pub(crate) fn seen(&self, scale: f64, point: &Point3<f64>) -> [f64; 3] {
         let [right, up, towards] = &self.axes;
         let coords = &point.coords;
@@ -141,7 +143,7 @@ impl View {
     }
 }
 
-/// Unit vectors to the right, up and towards the camera.
+/// Returns unit vectors to the right, up and towards the camera.
 fn axes(direction: Direction, up: UpAxis) -> [Vector3<f64>; 3] {
     let (x, y, z) = (Vector3::x(), Vector3::y(), Vector3::z());
     let (right, up, front) = match up {
@@ -162,7 +164,7 @@ fn axes(direction: Direction, up: UpAxis) -> [Vector3<f64>; 3] {
     [right * yaw_cos - front * yaw_sin, up * pitch_cos - ahead * pitch_sin, ahead * pitch_cos + up * pitch_sin]
 }
 
-/// Exact at right angles, so that plain views have no rounding in them.
+/// Returns sine and cosine, exact at right angles so that plain views have no rounding in them.
 fn sin_cos(degrees: f64) -> (f64, f64) {
     match degrees.rem_euclid(360.0) {
         0.0 => (0.0, 1.0),

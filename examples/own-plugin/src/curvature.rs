@@ -13,6 +13,7 @@ use mimesh_core::{
     linalg::{Assembly, Cholesky},
     mesh::{Surface, SurfacePoint},
     operators::{cotangent_laplacian, voronoi_mass},
+    plugin::check_ranges,
     register,
     spatial::EdgePaths,
     stage::Sampler,
@@ -52,9 +53,7 @@ impl Default for Curvature {
 #[typetag::serde(name = "curvature")]
 impl Sampler for Curvature {
     fn sample(&self, surface: &Surface) -> Result<Vec<SurfacePoint>> {
-        Error::check_setting("count", self.count as f64, 1.0, f64::INFINITY)?;
-        Error::check_setting("distance", self.distance, 0.0, 1.0)?;
-        Error::check_setting("smoothing", self.smoothing, 0.0, 1.0)?;
+        check_ranges(self)?;
         let mass = voronoi_mass(&surface.positions, &surface.triangles);
         let curvature = smooth_curvature(surface, &mass, (self.smoothing * surface.diagonal()).powi(2))?;
 

@@ -1,11 +1,11 @@
 //! Strengthens or weakens what another transfer does.
 
 use mimesh_core::{
-    Error, Figures, Result,
-    plugin::{instance, nested},
+    Figures, Result,
+    plugin::{check_ranges, instance, nested},
     register,
     spatial::{Orientation, Similarity},
-    stage::{BoundTransfer, Motion, Transfer, TransferPair, Transferred, TriangleMap},
+    stage::{BindInput, BoundTransfer, Motion, Transfer, TransferPair, Transferred},
 };
 use nalgebra::Point3;
 use schemars::JsonSchema;
@@ -36,19 +36,10 @@ impl Default for Exaggerate {
 
 #[typetag::serde(name = "exaggerate")]
 impl Transfer for Exaggerate {
-    fn bind(&self, pair: TransferPair<'_>, map: &TriangleMap) -> Result<Box<dyn BoundTransfer>> {
-        self.bind_to_poses(pair, map, &[])
-    }
-
-    fn bind_to_poses(
-        &self,
-        pair: TransferPair<'_>,
-        map: &TriangleMap,
-        poses: &[Vec<Point3<f64>>],
-    ) -> Result<Box<dyn BoundTransfer>> {
-        Error::check_setting("strength", self.strength, 0.0, 10.0)?;
-        let of = self.with_other(|of| of.bind_to_poses(pair, map, poses))?;
-        Ok(Box::new(Bound { rest: pair.target.positions.clone(), of, strength: self.strength }))
+    fn bind(&self, input: BindInput<'_>) -> Result<Box<dyn BoundTransfer>> {
+        check_ranges(self)?;
+        let of = self.with_other(|of| of.bind(input))?;
+        Ok(Box::new(Bound { rest: input.pair.target.positions.clone(), of, strength: self.strength }))
     }
 
     // What the pipeline asks about this transfer is for the other one to answer.

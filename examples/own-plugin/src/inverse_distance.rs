@@ -9,11 +9,12 @@
 //! Bridged components are as far apart as the ends of their bridges.
 
 use mimesh_core::{
-    Error, Figures, Result,
+    Figures, Result,
     mesh::{Surface, SurfacePoint},
+    plugin::check_ranges,
     register,
     spatial::EdgePaths,
-    stage::{BoundWeights, HandlePoints, HandleWeights, ProximityGraph, Weights, followers},
+    stage::{BoundWeights, HandlePoints, HandleWeights, ProximityGraph, Weights, unreached},
 };
 use nalgebra::DMatrix;
 use rayon::prelude::*;
@@ -50,8 +51,7 @@ impl Weights for InverseDistance {
         points: &[SurfacePoint],
         proximity: Option<&ProximityGraph>,
     ) -> Result<Box<dyn BoundWeights>> {
-        Error::check_setting("neighbours", self.neighbours as f64, 2.0, f64::INFINITY)?;
-        Error::check_setting("power", self.power, 1.0, 16.0)?;
+        check_ranges(self)?;
         proximity.map_or(Ok(()), |graph| graph.check(surface))?;
         let points = HandlePoints::new(surface, points)?;
         let bridges: Vec<[u32; 2]> = proximity.iter().flat_map(|graph| graph.pairs()).collect();
@@ -77,7 +77,7 @@ impl BoundWeights for Bound {
         let distances: Vec<&[f64]> = handles.iter().map(|&h| &self.distances[h][..]).collect();
         let count = self.surface.vertex_count();
         let reached: Vec<bool> = (0..count).map(|v| distances.iter().any(|d| d[v].is_finite())).collect();
-        let followers = followers(&self.surface, &reached)?;
+        let unreached = unreached(&self.surface, &reached)?;
         let mut matrix = DMatrix::zeros(count, handles.len());
         for v in (0..count).filter(|&v| reached[v]) {
             let shares = shares(&distances, v, &self.settings);
@@ -88,7 +88,7 @@ impl BoundWeights for Bound {
             matrix.row_mut(v as usize).fill(0.0);
             matrix[(v as usize, handle)] = 1.0;
         }
-        for [v, by] in followers {
+        for [v, by] in unreached {
             let row = matrix.row(by as usize).into_owned();
             matrix.set_row(v as usize, &row);
         }

@@ -5,73 +5,12 @@
 //! that runs empty takes the point farthest from its centre. A point leaves its cluster only for a centre that is strictly
 //! nearer, and everything is summed in the order of points, so equal inputs give equal clusters.
 
-use mimesh_core::{Error, Figures, Result, random::Random, stage::Regions};
+use mimesh_core::{Figures, random::Random, stage::Regions};
 
-use crate::start::{Nearest, given, plus_plus};
-
-/// Points, one a row.
-#[derive(Clone, Debug)]
-pub(crate) struct Points {
-    values: Vec<f64>,
-    /// Length of a row: the dimensions, filled up with zeros to a multiple of [`LANES`].
-    stride: usize,
-}
-
-/// Sums of distances run in this many parts, which a processor can do at once.
-const LANES: usize = 8;
-
-impl Points {
-    /// `count` points at the origin.
-    pub(crate) fn zeros(count: usize, dimensions: usize) -> Self {
-        let stride = dimensions.max(1).next_multiple_of(LANES);
-        Self { values: vec![0.0; count * stride], stride }
-    }
-
-    /// `count` points at the origin of the same space.
-    pub(crate) fn like(&self, count: usize) -> Self {
-        Self { values: vec![0.0; count * self.stride], stride: self.stride }
-    }
-
-    pub(crate) fn len(&self) -> usize {
-        self.values.len() / self.stride
-    }
-
-    pub(crate) fn row(&self, i: usize) -> &[f64] {
-        &self.values[i * self.stride..][..self.stride]
-    }
-
-    pub(crate) fn row_mut(&mut self, i: usize) -> &mut [f64] {
-        &mut self.values[i * self.stride..][..self.stride]
-    }
-
-    pub(crate) fn rows(&self) -> impl Iterator<Item = &[f64]> {
-        self.values.chunks_exact(self.stride)
-    }
-}
-
-/// ‖a − b‖² of rows.
-pub(crate) fn square_distance(a: &[f64], b: &[f64]) -> f64 {
-    let mut sums = [0.0; LANES];
-    for (a, b) in a.chunks_exact(LANES).zip(b.chunks_exact(LANES)) {
-        for lane in 0..LANES {
-            let difference = a[lane] - b[lane];
-            sums[lane] += difference * difference;
-        }
-    }
-    sums.iter().sum()
-}
-
-/// ‖a − b‖² of rows, or some number of at least `limit` if it is that large: it stops adding when that is clear.
-pub(crate) fn square_distance_below(a: &[f64], b: &[f64], limit: f64) -> f64 {
-    let mut sum = 0.0;
-    for (a, b) in a.chunks(2 * LANES).zip(b.chunks(2 * LANES)) {
-        sum += square_distance(a, b);
-        if sum >= limit {
-            break;
-        }
-    }
-    sum
-}
+use crate::{
+    points::{Points, square_distance},
+    start::{Nearest, given, plus_plus},
+};
 
 /// How to divide.
 #[derive(Clone, Copy, Debug)]
@@ -94,17 +33,6 @@ pub(crate) struct Clustering {
 }
 
 impl Kmeans {
-    /// Checks the settings that both clusterers have.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::Setting`].
-    pub(crate) fn check(regions: Option<usize>, restarts: usize, max_iterations: usize) -> Result<()> {
-        Error::check_setting("regions", regions.unwrap_or(1) as f64, 1.0, f64::INFINITY)?;
-        Error::check_setting("restarts", restarts as f64, 1.0, f64::INFINITY)?;
-        Error::check_setting("max_iterations", max_iterations as f64, 1.0, f64::INFINITY)
-    }
-
     /// The best of all starts as regions, numbered by their first vertex; `first` as in [`run`](Self::run).
     pub(crate) fn regions(&self, points: &Points, first: Option<Vec<u32>>) -> Regions {
         let best = self.run(points, first);

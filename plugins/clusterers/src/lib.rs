@@ -4,6 +4,7 @@ pub mod rotation_kmeans;
 pub mod weight_kmeans;
 
 mod kmeans;
+mod points;
 mod pose_features;
 mod principal;
 mod start;

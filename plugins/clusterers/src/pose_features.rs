@@ -1,4 +1,4 @@
-//! What poses do about each vertex: rotation and stretch of its ring of neighbours (eqs. 6 to 15 of Yang et al. 2018).
+//! Features of poses at each vertex: rotation and stretch of its ring of neighbours (eqs. 6 to 15 of Yang et al. 2018).
 
 use mimesh_core::{
     mesh::Surface,
@@ -13,14 +13,14 @@ use crate::unwrap::logarithms;
 const DIMENSIONS: usize = 3 + 6;
 
 /// The least weight of an edge, for cotangents may be negative and then have no least squares.
-const LEAST_WEIGHT: f64 = 0.01;
+const MIN_WEIGHT: f64 = 0.01;
 
 /// How much the normal counts against the edges of a ring: it decides across the plane of a ring that is flatter than about the
 /// square root of this, times its size.
-const NORMAL: f64 = 0.01;
+const NORMAL_WEIGHT: f64 = 0.01;
 
 /// How much not moving counts against the edges of a ring without area.
-const STILL: f64 = 1e-6;
+const REST_WEIGHT: f64 = 1e-6;
 
 /// [γ_logr log r, γ_s s] / √m of each vertex (#V) over m poses.
 ///
@@ -63,7 +63,7 @@ impl Rings {
         let mut neighbours = vec![Vec::new(); surface.vertex_count()];
         for (i, j, &value) in cotangent_laplacian(&surface.positions, &surface.triangles).triplet_iter() {
             if i != j {
-                let weight = (-value).max(LEAST_WEIGHT);
+                let weight = (-value).max(MIN_WEIGHT);
                 neighbours[i].push((j as u32, weight));
                 neighbours[j].push((i as u32, weight));
             }
@@ -79,8 +79,8 @@ impl Rings {
             let size = sum.trace();
             let length = normals[i].norm();
             let normal = (length > 1e-9 * size).then(|| (normals[i] / length, length));
-            let along = normal.map_or_else(Matrix3::zeros, |(n, _)| n * n.transpose() * (NORMAL * size));
-            let inverse = (sum + along + Matrix3::identity() * (STILL * size)).try_inverse()?;
+            let along = normal.map_or_else(Matrix3::zeros, |(n, _)| n * n.transpose() * (NORMAL_WEIGHT * size));
+            let inverse = (sum + along + Matrix3::identity() * (REST_WEIGHT * size)).try_inverse()?;
             Some(Ring { inverse, size, normal })
         });
         Self { rings: rings.collect(), neighbours }
@@ -122,7 +122,7 @@ impl Rings {
             let posed_area = posed_normal.norm();
             if posed_area > 0.0 { posed_normal * n.transpose() / (posed_area * area).sqrt() } else { Matrix3::zeros() }
         });
-        (sum + along * (NORMAL * ring.size) + Matrix3::identity() * (STILL * ring.size)) * ring.inverse
+        (sum + along * (NORMAL_WEIGHT * ring.size) + Matrix3::identity() * (REST_WEIGHT * ring.size)) * ring.inverse
     }
 }
 
@@ -135,7 +135,7 @@ fn normals(surface: &Surface, positions: &[Point3<f64>]) -> Vec<Vector3<f64>> {
     sums
 }
 
-/// Of the rigid motion nearest to the pose.
+/// The rotation of the rigid motion nearest to the pose.
 fn rotation_of_the_whole(rest: &[Point3<f64>], pose: &[Point3<f64>]) -> Matrix3<f64> {
     let mean =
         |points: &[Point3<f64>]| points.iter().map(|p| p.coords).sum::<Vector3<f64>>() / points.len().max(1) as f64;

@@ -12,6 +12,7 @@
 use mimesh_core::{
     Error, Result,
     mesh::{Surface, check_finite},
+    plugin::check_ranges,
     register,
     stage::{BoundClusterer, Clusterer, Regions},
 };
@@ -20,7 +21,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    kmeans::Kmeans, pose_features::pose_features, principal::along_principal_axes, start::Start, weight_kmeans::points,
+    kmeans::Kmeans, pose_features::pose_features, principal::along_principal_axes, start::Start,
+    weight_kmeans::rows_of_weights,
 };
 
 register!(Clusterer: RotationKmeans);
@@ -38,15 +40,15 @@ pub struct RotationKmeans {
     /// How many regions there are at most; as many as handles if not given.
     #[schemars(range(min = 1))]
     pub regions: Option<usize>,
-    /// Where the first start is.
+    /// The clusters of the first start.
     pub start: Start,
-    /// How often it starts, after the first from random centres; the best result is kept.
+    /// Number of starts, after the first from random centres; the best result is kept.
     #[schemars(range(min = 1))]
     pub restarts: usize,
     /// Most iterations a start.
     #[schemars(range(min = 1))]
     pub max_iterations: usize,
-    /// Of the random starts: equal seeds give equal regions.
+    /// Seed of the random starts; equal seeds give equal regions.
     pub seed: u64,
 }
 
@@ -67,9 +69,7 @@ impl Default for RotationKmeans {
 #[typetag::serde(name = "rotation_kmeans")]
 impl Clusterer for RotationKmeans {
     fn bind(&self, surface: &Surface, poses: &[Vec<Point3<f64>>]) -> Result<Box<dyn BoundClusterer>> {
-        Kmeans::check(self.regions, self.restarts, self.max_iterations)?;
-        Error::check_setting("rotation_weight", self.rotation_weight, 0.0, f64::INFINITY)?;
-        Error::check_setting("stretch_weight", self.stretch_weight, 0.0, f64::INFINITY)?;
+        check_ranges(self)?;
         for pose in poses {
             Error::check_shape("posed vertices (#V)", surface.vertex_count(), pose.len())?;
             check_finite(pose)?;
@@ -82,14 +82,14 @@ impl Clusterer for RotationKmeans {
 #[derive(Clone, Debug)]
 struct Bound {
     settings: RotationKmeans,
-    /// What poses add to W, a column a vertex, in directions that keep distances.
+    /// The columns that poses add to W, one a vertex, in directions that keep distances.
     features: DMatrix<f64>,
 }
 
 impl BoundClusterer for Bound {
     fn cluster(&self, weights: &DMatrix<f64>) -> Result<Regions> {
         let (dimensions, vertices) = self.features.shape();
-        let mut points = points(vertices, weights, dimensions)?;
+        let mut points = rows_of_weights(vertices, weights, dimensions)?;
         for (i, features) in self.features.column_iter().enumerate() {
             let room = &mut points.row_mut(i)[weights.ncols()..][..dimensions];
             room.iter_mut().zip(&features).for_each(|(x, feature)| *x = *feature);

@@ -1,13 +1,13 @@
-//! Where k-means starts: from given clusters, or from centres spread by k-means++ (Arthur and Vassilvitskii 2007).
+//! Starts of k-means: from given clusters, or from centres spread by k-means++ (Arthur and Vassilvitskii 2007).
 
 use mimesh_core::random::Random;
 use nalgebra::DMatrix;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::kmeans::{Points, square_distance, square_distance_below};
+use crate::points::{Points, square_distance, square_distance_below};
 
-/// Where the first start of a clusterer is.
+/// The clusters that the first start of a clusterer begins with.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Start {
@@ -15,7 +15,7 @@ pub enum Start {
     /// bodies it ends about where the best of 16 random starts does, and a handle more or less changes the regions near it only.
     #[default]
     Handles,
-    /// From random centres that are far from each other (k-means++).
+    /// Those nearest to random centres that are far from each other (k-means++).
     PlusPlus,
 }
 
@@ -31,19 +31,19 @@ impl Start {
     }
 }
 
-/// What is known of a point's centres.
+/// A point's cluster, with bounds of its distances to centres.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Nearest {
     /// The cluster it belongs to.
     pub cluster: u32,
-    /// At least the distance to the centre of that cluster.
+    /// An upper bound of the distance to the centre of that cluster.
     pub upper: f64,
-    /// At most the distance to any other centre.
+    /// A lower bound of the distance to any other centre.
     pub lower: f64,
 }
 
 impl Nearest {
-    /// Of all centres: `own` unless another is strictly nearer to `x`, then the first of the nearest.
+    /// The nearest of all centres: `own` unless another is strictly nearer to `x`, then the first of the nearest.
     pub(crate) fn among(x: &[f64], centres: &Points, own: u32) -> Self {
         let mut best = (own, square_distance_below(x, centres.row(own as usize), f64::INFINITY));
         let mut second = f64::INFINITY;

@@ -41,7 +41,7 @@ fn logarithm(rotation: &Matrix3<f64>) -> Vector3<f64> {
     UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(*rotation)).scaled_axis()
 }
 
-/// Of all logarithms of the rotation with logarithm `of`, the one nearest to `to`.
+/// The logarithm nearest to `to` among those of the rotation that has the logarithm `of`.
 fn nearest_turn(of: Vector3<f64>, to: &Vector3<f64>) -> Vector3<f64> {
     let angle = of.norm();
     // Of the identity every whole turn about any axis is a logarithm.

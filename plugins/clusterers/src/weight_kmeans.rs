@@ -5,6 +5,7 @@
 use mimesh_core::{
     Error, Result,
     mesh::Surface,
+    plugin::check_ranges,
     register,
     stage::{BoundClusterer, Clusterer, Regions},
 };
@@ -12,10 +13,7 @@ use nalgebra::{DMatrix, Point3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::{
-    kmeans::{Kmeans, Points},
-    start::Start,
-};
+use crate::{kmeans::Kmeans, points::Points, start::Start};
 
 register!(Clusterer: WeightKmeans);
 
@@ -26,15 +24,15 @@ pub struct WeightKmeans {
     /// How many regions there are at most; as many as handles if not given.
     #[schemars(range(min = 1))]
     pub regions: Option<usize>,
-    /// Where the first start is.
+    /// The clusters of the first start.
     pub start: Start,
-    /// How often it starts, after the first from random centres; the best result is kept.
+    /// Number of starts, after the first from random centres; the best result is kept.
     #[schemars(range(min = 1))]
     pub restarts: usize,
     /// Most iterations a start.
     #[schemars(range(min = 1))]
     pub max_iterations: usize,
-    /// Of the random starts: equal seeds give equal regions.
+    /// Seed of the random starts; equal seeds give equal regions.
     pub seed: u64,
 }
 
@@ -47,7 +45,7 @@ impl Default for WeightKmeans {
 #[typetag::serde(name = "weight_kmeans")]
 impl Clusterer for WeightKmeans {
     fn bind(&self, surface: &Surface, poses: &[Vec<Point3<f64>>]) -> Result<Box<dyn BoundClusterer>> {
-        Kmeans::check(self.regions, self.restarts, self.max_iterations)?;
+        check_ranges(self)?;
         let vertices = surface.vertex_count();
         poses.iter().try_for_each(|pose| Error::check_shape("posed vertices (#V)", vertices, pose.len()))?;
         Ok(Box::new(Bound { settings: self.clone(), vertices }))
@@ -62,7 +60,7 @@ struct Bound {
 
 impl BoundClusterer for Bound {
     fn cluster(&self, weights: &DMatrix<f64>) -> Result<Regions> {
-        let points = points(self.vertices, weights, 0)?;
+        let points = rows_of_weights(self.vertices, weights, 0)?;
         let WeightKmeans { regions, start, restarts, max_iterations, seed } = self.settings;
         let clusters = regions.unwrap_or(weights.ncols());
         Ok(Kmeans { clusters, restarts, max_iterations, seed }.regions(&points, start.clusters(weights, clusters)))
@@ -74,7 +72,7 @@ impl BoundClusterer for Bound {
 /// # Errors
 ///
 /// [`Error::Shape`] if W does not have `vertices` rows or has no column, [`Error::Data`] if it is not finite.
-pub(crate) fn points(vertices: usize, weights: &DMatrix<f64>, more: usize) -> Result<Points> {
+pub(crate) fn rows_of_weights(vertices: usize, weights: &DMatrix<f64>, more: usize) -> Result<Points> {
     Error::check_shape("rows of the weights (#V)", vertices, weights.nrows())?;
     if weights.ncols() == 0 {
         return Err(Error::Shape { what: "columns of the weights (#H)", expected: 1, found: 0 });

@@ -9,8 +9,8 @@ use mimesh_core::{
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 
-/// Source triangles with a smaller relative height are not partners.
-const NEEDLE: f64 = 1e-4;
+/// Source triangles with a smaller relative height correspond to nothing.
+const MIN_RELATIVE_HEIGHT: f64 = 1e-4;
 
 /// Searches the triangles of the source whose normals are less than 90 degrees from a given one.
 ///
@@ -30,7 +30,7 @@ impl Facing {
             .iter()
             .map(|t| {
                 let corners = t.map(|v| positions[v as usize]);
-                (relative_height(&corners) > NEEDLE).then(|| normal(&corners))
+                (relative_height(&corners) > MIN_RELATIVE_HEIGHT).then(|| normal(&corners))
             })
             .collect();
         Ok(Self { search: ClosestPoint::new(positions, triangles)?, normals, inner_depth: None })
@@ -59,7 +59,7 @@ impl Facing {
     /// For each triangle the source triangle with the closest valid point to its barycentre nearer than `limit`.
     ///
     /// Zhou et al. 2010 compare barycentres with barycentres, which misses large triangles.
-    pub fn partners(&self, positions: &[Point3<f64>], triangles: &[[u32; 3]], limit: f64) -> Vec<Option<u32>> {
+    pub fn triangles(&self, positions: &[Point3<f64>], triangles: &[[u32; 3]], limit: f64) -> Vec<Option<u32>> {
         let find = |t: &[u32; 3]| {
             let corners = t.map(|v| positions[v as usize]);
             let barycentre = Point3::from((corners[0].coords + corners[1].coords + corners[2].coords) / 3.0);

@@ -18,10 +18,11 @@ register!(Correspondence: FromFile);
 #[serde(deny_unknown_fields)]
 pub struct FromFile {
     /// The file, relative to the pipeline's.
+    #[schemars(extend("x-file" = true))]
     pub path: PathBuf,
 }
 
-/// What the file holds.
+/// The contents of the file.
 #[derive(Deserialize, Serialize)]
 struct Contents {
     format: String,
@@ -46,10 +47,6 @@ impl Correspondence for FromFile {
     fn check(&self, pair: TransferPair<'_>) -> Result<()> {
         self.correspond(pair).map(drop)
     }
-
-    fn files(&mut self) -> Vec<&mut PathBuf> {
-        vec![&mut self.path]
-    }
 }
 
 fn read(path: &Path) -> Result<TriangleMap> {
@@ -62,8 +59,8 @@ fn read(path: &Path) -> Result<TriangleMap> {
         return Err(Error::file(path, format!("expected mimesh-correspondence version 1, found {found}"), hint));
     }
     Ok(TriangleMap {
-        source_triangles: contents.source_triangles,
-        partners: contents.partners,
+        source_triangle_count: contents.source_triangles,
+        triangles: contents.partners,
         points: contents.points,
         figures: Figures::default(),
     })

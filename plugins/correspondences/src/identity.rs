@@ -21,8 +21,8 @@ impl Correspondence for Identity {
     fn correspond(&self, pair: TransferPair<'_>) -> Result<TriangleMap> {
         self.check(pair)?;
         let count = pair.source.triangle_count();
-        let partners = (0..count as u32).map(Some).collect();
-        Ok(TriangleMap { source_triangles: count, partners, ..TriangleMap::default() })
+        let triangles = (0..count as u32).map(Some).collect();
+        Ok(TriangleMap { source_triangle_count: count, triangles, ..TriangleMap::default() })
     }
 
     fn check(&self, pair: TransferPair<'_>) -> Result<()> {

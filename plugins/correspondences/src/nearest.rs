@@ -1,8 +1,9 @@
 //! Pairs triangles that lie together at rest.
 
 use mimesh_core::{
-    Error, Figures, Result,
+    Figures, Result,
     operators::vertex_normals,
+    plugin::check_ranges,
     register,
     stage::{Correspondence, TransferPair, TriangleMap},
 };
@@ -15,7 +16,7 @@ register!(Correspondence: Nearest);
 
 /// Each target triangle moves like the source triangle closest to it at rest, among those that face the same way.
 ///
-/// For meshes that already lie on each other: another resolution of one shape, or clothes on a body.
+/// It suits meshes that already lie on each other: another resolution of one shape, or clothes on a body.
 #[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Nearest {
@@ -33,15 +34,15 @@ impl Default for Nearest {
 #[typetag::serde(name = "nearest")]
 impl Correspondence for Nearest {
     fn correspond(&self, pair: TransferPair<'_>) -> Result<TriangleMap> {
-        Error::check_setting("max_distance", self.max_distance, 0.0, f64::INFINITY)?;
+        check_ranges(self)?;
         let (source, target) = (pair.source, pair.target);
         let facing = Facing::new(&source.positions, &source.triangles)?;
         let limit = self.max_distance * target.diagonal();
         let normals = vertex_normals(&target.positions, &target.triangles);
         let points = facing.points(&target.positions, &normals, limit);
-        let partners = facing.partners(&target.positions, &target.triangles, limit);
+        let triangles = facing.triangles(&target.positions, &target.triangles, limit);
         let mut figures = Figures::default();
         figures.set("vertices_with_a_point", points.iter().flatten().count());
-        Ok(TriangleMap { source_triangles: source.triangle_count(), partners, points, figures })
+        Ok(TriangleMap { source_triangle_count: source.triangle_count(), triangles, points, figures })
     }
 }

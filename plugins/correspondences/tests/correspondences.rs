@@ -154,7 +154,7 @@ fn triangles_far_from_the_source_are_orphans_unless_they_have_a_marker() {
     for marker in &markers {
         let SurfacePoint::Vertex(v) = marker.target else { unreachable!("all are vertices") };
         for (t, _) in target.triangles.iter().enumerate().filter(|(_, t)| t.contains(&v)) {
-            assert!(map.partners[t].is_some(), "triangle {t} has a marker");
+            assert!(map.triangles[t].is_some(), "triangle {t} has a marker");
         }
     }
 }

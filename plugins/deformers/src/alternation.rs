@@ -25,13 +25,13 @@ pub(crate) struct Energy {
     /// Kᵀ and Ŝ.
     pub covariances: Covariances,
     /// ρ, 4h.
-    pub pull: DVector<f64>,
+    pub ridge: DVector<f64>,
 }
 
 /// The linear system of the global step.
 #[derive(Clone, Debug)]
 pub(crate) struct GlobalSystem {
-    /// Of the matrix without and with ρ: that of J, or of eq. 18.
+    /// The factor of the matrix plus ρ: that of J, or of eq. 18.
     factor: Cholesky<f64, Dyn>,
     /// P, 4h × 3g.
     of_rotations: DMatrix<f64>,
@@ -43,9 +43,9 @@ impl GlobalSystem {
     /// # Errors
     ///
     /// [`Error::Singular`] if weights are so large or small that the matrix is not positive definite in floating point.
-    pub(crate) fn new(matrix: DMatrix<f64>, pull: &DVector<f64>, response: &DMatrix<f64>) -> Result<Self> {
+    pub(crate) fn new(matrix: DMatrix<f64>, ridge: &DVector<f64>, response: &DMatrix<f64>) -> Result<Self> {
         let mut matrix = matrix;
-        matrix.set_diagonal(&(matrix.diagonal() + pull));
+        matrix.set_diagonal(&(matrix.diagonal() + ridge));
         let factor = Cholesky::new(matrix).ok_or_else(|| Error::Singular {
             what: "the system of the maps of handles",
             hint: "raise `regularisation`, and look for weights that are not bounded".into(),
@@ -60,7 +60,7 @@ impl GlobalSystem {
     }
 }
 
-/// What a pose brings.
+/// The parts of J that depend on the pose.
 #[derive(Clone, Debug)]
 pub(crate) struct Goal {
     /// Mᵀ D δ, 4h × 3.
@@ -73,12 +73,12 @@ pub(crate) struct Goal {
 
 impl Goal {
     /// ρ X̂.
-    pub(crate) fn pulled(&self, pull: &DVector<f64>) -> DMatrix<f64> {
-        DMatrix::from_fn(pull.len(), 3, |i, c| pull[i] * self.reference[(i, c)])
+    pub(crate) fn ridge_rhs(&self, ridge: &DVector<f64>) -> DMatrix<f64> {
+        DMatrix::from_fn(ridge.len(), 3, |i, c| ridge[i] * self.reference[(i, c)])
     }
 }
 
-/// When to stop.
+/// The rule by which the alternation stops.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Stop {
     /// The relative decrease of J in an iteration below which it stops.
@@ -86,7 +86,7 @@ pub(crate) struct Stop {
     pub max_iterations: usize,
 }
 
-/// Where the alternation ended.
+/// The end of the alternation.
 #[derive(Clone, Debug)]
 pub(crate) struct Minimum {
     /// X.
@@ -94,7 +94,7 @@ pub(crate) struct Minimum {
     /// J after the first global step and after each iteration.
     pub energies: Vec<f64>,
     /// The part of the last of them that is not λ E_arap + E_diff.
-    pub pulled: f64,
+    pub ridge_energy: f64,
     /// Whether the last decrease was within the tolerance.
     pub converged: bool,
 }
@@ -107,7 +107,7 @@ pub(crate) fn alternate(
     mut rotations: Vec<Matrix3<f64>>,
     stop: Stop,
 ) -> Minimum {
-    let start = system.solve(&(&goal.projected + &goal.pulled(&energy.pull)));
+    let start = system.solve(&(&goal.projected + &goal.ridge_rhs(&energy.ridge)));
     let step = |rotations: &[Matrix3<f64>]| {
         let mut maps = start.clone();
         maps.gemm(1.0, &system.of_rotations, &turns(rotations), 1.0);
@@ -128,7 +128,7 @@ pub(crate) fn alternate(
         // A pose that is met leaves rounding, which may go up as well as down.
         converged = (before - now).abs() <= stop.tolerance * before.abs() + f64::EPSILON * goal.constant;
     }
-    Minimum { pulled: energy.pulled(&maps, goal), maps, energies, converged }
+    Minimum { ridge_energy: energy.of_ridge(&maps, goal), maps, energies, converged }
 }
 
 impl Energy {
@@ -144,13 +144,13 @@ impl Energy {
                 turn.dot(&(turn * rest)) - 2.0 * turn.transpose().dot(&moved.fixed_view::<3, 3>(3 * g, 0))
             })
             .sum();
-        quadratic - 2.0 * maps.dot(&goal.projected) + goal.constant + self.lambda * turns + self.pulled(maps, goal)
+        quadratic - 2.0 * maps.dot(&goal.projected) + goal.constant + self.lambda * turns + self.of_ridge(maps, goal)
     }
 
     /// ‖X − X̂‖²_ρ.
-    fn pulled(&self, maps: &DMatrix<f64>, goal: &Goal) -> f64 {
+    fn of_ridge(&self, maps: &DMatrix<f64>, goal: &Goal) -> f64 {
         let row = |i: usize| (maps.row(i) - goal.reference.row(i)).norm_squared();
-        self.pull.iter().enumerate().map(|(i, pull)| pull * row(i)).sum()
+        self.ridge.iter().enumerate().map(|(i, ridge)| ridge * row(i)).sum()
     }
 }
 

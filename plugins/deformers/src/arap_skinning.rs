@@ -22,9 +22,10 @@
 use std::sync::Arc;
 
 use mimesh_core::{
-    Error, Result,
+    Result,
     mesh::Surface,
     operators::voronoi_mass,
+    plugin::check_ranges,
     register,
     stage::{BoundDeformer, Deformer, Fit, HandleWeights, Regions, Skin},
 };
@@ -32,6 +33,7 @@ use nalgebra::Point3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+pub use crate::edges::EdgeWeights;
 use crate::{
     alternation::{Energy, GlobalSystem, Stop, alternate},
     covariances::Covariances,
@@ -51,11 +53,11 @@ pub struct ArapSkinning {
     /// with twice the vertices needs twice the λ for the same result.
     #[schemars(range(min = 0.0, max = 1e6))]
     pub lambda: f64,
-    /// Which vertices are drawn to the pose, and how strongly.
+    /// The vertices that are drawn to the pose, and how strongly.
     pub difference: Difference,
     /// Weights of edges in the rigidity.
     pub edge_weights: EdgeWeights,
-    /// What the maps minimise while rotations are fixed.
+    /// The energy that the maps minimise while rotations are fixed.
     pub global_step: GlobalStep,
     /// How strongly each handle is drawn to the best rigid motion of what it moves, relative to its share of the closeness to
     /// the pose. It decides where a region is flatter than about the square root of this times its size; 1e-12 is the paper's
@@ -84,36 +86,21 @@ impl Default for ArapSkinning {
     }
 }
 
-/// Which vertices are drawn to the pose: the weights d of E_diff.
+/// The vertices that are drawn to the pose: the weights d of E_diff.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Difference {
     /// All vertices alike, as in the paper.
     #[default]
     Uniform,
-    /// By the area about them, with mean 1: closeness does not depend on how finely a region is meshed.
+    /// Each vertex by the area about it, with mean 1: closeness does not depend on how finely a region is meshed.
     Area,
     /// E_diff is off: only the vertex that each handle moves most is held at its place in the pose, as in Jacobson et al. 2012.
     /// (Held to nothing, any rigid motion would be a minimum.)
     None,
 }
 
-/// Weights of edges in E_arap.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum EdgeWeights {
-    /// By cotangents, which makes the rigidity independent of the triangulation; 0 where they are negative, opposite obtuse
-    /// angles.
-    #[default]
-    Cotangent,
-    /// By cotangents as they are, as in the paper. In a small region negative ones may prevail; its energy then has no least
-    /// value at a rigid motion, but at one turned against it.
-    SignedCotangent,
-    /// All edges alike, as much as an edge between equilateral triangles.
-    Uniform,
-}
-
-/// What the maps minimise while rotations are fixed.
+/// The energy that the maps minimise while rotations are fixed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum GlobalStep {
@@ -125,15 +112,12 @@ pub enum GlobalStep {
 }
 
 /// How strongly a vertex is held, where E_diff is off, against edges of weight λ.
-const HOLD: f64 = 1e3;
+const HOLD_WEIGHT: f64 = 1e3;
 
 #[typetag::serde(name = "arap_skinning")]
 impl Deformer for ArapSkinning {
     fn bind(&self, surface: &Surface) -> Result<Box<dyn BoundDeformer>> {
-        Error::check_setting("lambda", self.lambda, 0.0, 1e6)?;
-        Error::check_setting("regularisation", self.regularisation, 1e-12, 1.0)?;
-        Error::check_setting("tolerance", self.tolerance, 0.0, 1.0)?;
-        Error::check_setting("max_iterations", self.max_iterations as f64, 1.0, f64::INFINITY)?;
+        check_ranges(self)?;
         Ok(Box::new(Bound {
             settings: self.clone(),
             edges: Edges::new(surface, self.edge_weights),
@@ -174,27 +158,29 @@ impl BoundDeformer for Bound {
         regions.check(self.surface.vertex_count())?;
         let (mut closeness, mut regularisation) = (self.closeness.clone(), regularisation);
         if difference == Difference::None {
-            held(weights).into_iter().for_each(|v| closeness[v] = if lambda > 0.0 { HOLD * lambda } else { HOLD });
+            held(weights)
+                .into_iter()
+                .for_each(|v| closeness[v] = if lambda > 0.0 { HOLD_WEIGHT * lambda } else { HOLD_WEIGHT });
             // Relative to λ, that is; against the rigidity a share of what holds would be much.
-            regularisation = (regularisation / HOLD).max(1e-12);
+            regularisation = (regularisation / HOLD_WEIGHT).max(1e-12);
         }
         let handles = Handles::new(&self.rest, weights, closeness, regularisation)?;
         let space = &handles.space;
         let quadratic = space.symmetric_product(&space.laplacian(&self.edges, 2.0 * lambda, &handles.closeness));
         let covariances = Covariances::new(space.rows(), &self.edges, &self.surface, regions);
         let system = match global_step {
-            GlobalStep::Exact => GlobalSystem::new(quadratic.clone(), &handles.pull, &(&covariances.of_maps * lambda)),
+            GlobalStep::Exact => GlobalSystem::new(quadratic.clone(), &handles.ridge, &(&covariances.of_maps * lambda)),
             GlobalStep::Stacked => {
                 let residual = space.laplacian(&self.edges, lambda, &vec![0.0; handles.closeness.len()]);
                 let closeness = space.laplacian(&self.edges, 0.0, &handles.closeness);
                 let matrix = symmetric_product(&residual, &residual) + space.symmetric_product(&closeness);
                 // λb = ½ λ Σⱼ (R_g(i) + R_g(j)) w̃ᵢⱼ (pᵢ − pⱼ).
                 let of_residual = Covariances::new(&residual, &self.edges, &self.surface, regions).of_maps;
-                GlobalSystem::new(matrix, &handles.pull, &(of_residual * (0.5 * lambda)))
+                GlobalSystem::new(matrix, &handles.ridge, &(of_residual * (0.5 * lambda)))
             }
         }?;
         Ok(Box::new(Skinned {
-            energy: Energy { lambda, quadratic, covariances, pull: handles.pull.clone() },
+            energy: Energy { lambda, quadratic, covariances, ridge: handles.ridge.clone() },
             system,
             handles,
             regions: regions.clone(),
@@ -224,7 +210,7 @@ impl Skin for Skinned {
         let minimum = alternate(&self.energy, &self.system, &goal, rotations, self.stop);
         let mut fit = self.handles.fit(&seen, &minimum.maps);
         let figures = &mut fit.figures;
-        figures.set("energy", minimum.energies[minimum.energies.len() - 1] - minimum.pulled);
+        figures.set("energy", minimum.energies[minimum.energies.len() - 1] - minimum.ridge_energy);
         figures.set("iterations", minimum.energies.len() - 1);
         figures.set("converged", minimum.converged);
         figures.set("energies", minimum.energies);

@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, Matrix3, Vector3};
 
 use crate::edges::Edges;
 
-/// What the local step needs of the regions: Ŝ_g = Σ w̃ᵢⱼ (pᵢ − pⱼ)(qᵢ − qⱼ)ᵀ over the spokes of region g, for q = p + M X.
+/// Covariances of the regions, for the local step: Ŝ_g = Σ w̃ᵢⱼ (pᵢ − pⱼ)(qᵢ − qⱼ)ᵀ over the spokes of region g, for q = p + M X.
 #[derive(Clone, Debug)]
 pub(crate) struct Covariances {
     /// Kᵀ, 4h × 3g: Ŝ_g changes by rows 3g to 3g + 2 of K X.
@@ -15,7 +15,7 @@ pub(crate) struct Covariances {
 }
 
 impl Covariances {
-    /// For Mᵀ = `rows`, 4h × #V.
+    /// The covariances for Mᵀ = `rows`, 4h × #V.
     pub(crate) fn new(rows: &DMatrix<f64>, edges: &Edges, surface: &Surface, regions: &Regions) -> Self {
         let size = rows.nrows();
         let mut of_maps = DMatrix::zeros(size, 3 * regions.count);

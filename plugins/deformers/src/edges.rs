@@ -2,8 +2,23 @@
 
 use mimesh_core::{mesh::Surface, operators::cotangent_laplacian};
 use nalgebra::Vector3;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
-use crate::EdgeWeights;
+/// Weights of edges in E_arap.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum EdgeWeights {
+    /// Cotangents, which make the rigidity independent of the triangulation; 0 where they are negative, opposite obtuse
+    /// angles.
+    #[default]
+    Cotangent,
+    /// Cotangents as they are, as in the paper. In a small region negative ones may prevail; its energy then has no least
+    /// value at a rigid motion, but at one turned against it.
+    SignedCotangent,
+    /// All edges alike, as much as an edge between equilateral triangles.
+    Uniform,
+}
 
 /// Weight of an edge between two equilateral triangles, ½ (cot 60° + cot 60°).
 const EQUILATERAL: f64 = 0.577_350_269_189_625_8;

@@ -17,7 +17,7 @@ use nalgebra::{DMatrix, Matrix3, Point3, Vector3};
 use crate::edges::Edges;
 
 /// How far the sum of a row of W may be from 1.
-const ROW_SUM: f64 = 1e-6;
+const MAX_ROW_SUM_ERROR: f64 = 1e-6;
 
 /// M with the frames of the handles.
 #[derive(Clone, Debug)]
@@ -136,7 +136,7 @@ fn check_weights(w: &DMatrix<f64>, vertices: usize) -> Result<()> {
     Error::check_shape("rows of the weights (#V)", vertices, w.nrows())?;
     for i in 0..vertices {
         let sum = w.row(i).sum();
-        let close = (sum - 1.0).abs() <= ROW_SUM;
+        let close = (sum - 1.0).abs() <= MAX_ROW_SUM_ERROR;
         if !close {
             return Err(Error::data(
                 format!("the weights of vertex {i} (from 0) sum to {sum}: expected 1"),

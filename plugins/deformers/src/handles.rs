@@ -17,7 +17,7 @@ use crate::{
 
 /// The least share of the closeness to the pose that a handle is taken to have, relative to the mean of handles, so that one
 /// that moves nothing has a map as well.
-const LEAST_SHARE: f64 = 1e-6;
+const MIN_SHARE: f64 = 1e-6;
 
 /// Handles on a surface at rest.
 #[derive(Clone, Debug)]
@@ -28,13 +28,13 @@ pub(crate) struct Handles {
     /// The diagonal of D, #V: how strongly each vertex is drawn to the pose.
     pub closeness: Vec<f64>,
     /// ρ, 4h: how strongly maps are drawn to rigid motions.
-    pub pull: DVector<f64>,
+    pub ridge: DVector<f64>,
 }
 
 impl Handles {
     /// # Errors
     ///
-    /// As [`HandleSpace::new`].
+    /// The errors of [`HandleSpace::new`].
     pub(crate) fn new(
         rest: &Arc<RestShape>,
         weights: &HandleWeights,
@@ -45,9 +45,9 @@ impl Handles {
         let shapes = HandleShapes::new(&space, &closeness, &weights.matrix, &rest.positions);
         let square = |column: &[f64]| column.iter().zip(&closeness).map(|(w, d)| d * w * w).sum::<f64>();
         let shares: Vec<f64> = weights.matrix.as_slice().chunks_exact(rest.positions.len()).map(square).collect();
-        let least = LEAST_SHARE * shares.iter().sum::<f64>() / shares.len() as f64;
-        let pull = DVector::from_fn(space.size(), |i, _| regularisation * shares[i / 4].max(least));
-        Ok(Self { rest: rest.clone(), space, shapes, closeness, pull })
+        let least = MIN_SHARE * shares.iter().sum::<f64>() / shares.len() as f64;
+        let ridge = DVector::from_fn(space.size(), |i, _| regularisation * shares[i / 4].max(least));
+        Ok(Self { rest: rest.clone(), space, shapes, closeness, ridge })
     }
 
     /// The pose without the rigid motion of the whole, and what maps should come near.

@@ -8,8 +8,9 @@
 use std::sync::Arc;
 
 use mimesh_core::{
-    Error, Result,
+    Result,
     mesh::Surface,
+    plugin::check_ranges,
     register,
     stage::{BoundDeformer, Deformer, Fit, HandleWeights, Regions, Skin},
 };
@@ -40,7 +41,7 @@ impl Default for LinearBlend {
 #[typetag::serde(name = "linear_blend")]
 impl Deformer for LinearBlend {
     fn bind(&self, surface: &Surface) -> Result<Box<dyn BoundDeformer>> {
-        Error::check_setting("regularisation", self.regularisation, 1e-12, 1.0)?;
+        check_ranges(self)?;
         let rest = Arc::new(RestShape::new(&surface.positions));
         Ok(Box::new(Bound { regularisation: self.regularisation, rest }))
     }
@@ -59,7 +60,7 @@ impl BoundDeformer for Bound {
         let handles = Handles::new(&self.rest, weights, vec![1.0; count], self.regularisation)?;
         let matrix = handles.space.symmetric_product(handles.space.rows());
         let no_rotations = DMatrix::zeros(handles.space.size(), 0);
-        let system = GlobalSystem::new(matrix, &handles.pull, &no_rotations)?;
+        let system = GlobalSystem::new(matrix, &handles.ridge, &no_rotations)?;
         Ok(Box::new(Skinned { handles, system }))
     }
 }
@@ -73,7 +74,7 @@ struct Skinned {
 impl Skin for Skinned {
     fn fit(&self, posed: &[Point3<f64>]) -> Result<Fit> {
         let (seen, goal) = self.handles.see(posed)?;
-        let maps = self.system.solve(&(&goal.projected + &goal.pulled(&self.handles.pull)));
+        let maps = self.system.solve(&(&goal.projected + &goal.ridge_rhs(&self.handles.ridge)));
         Ok(self.handles.fit(&seen, &maps))
     }
 }

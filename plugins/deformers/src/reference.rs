@@ -6,14 +6,14 @@ use nalgebra::{DMatrix, Matrix3, Point3, Vector3};
 use crate::handle_space::HandleSpace;
 
 /// How much of the motion of the whole is mixed into that of a part, so that a part which is a point or a line has one.
-const MIXED: f64 = 1e-3;
+const WHOLE_SHARE: f64 = 1e-3;
 
 /// The rest positions, prepared for rigid fits of the whole and of regions.
 #[derive(Clone, Debug)]
 pub(crate) struct RestShape {
     /// V, #V.
     pub positions: Vec<Point3<f64>>,
-    /// Of the bounding box.
+    /// The diagonal of the bounding box.
     pub diagonal: f64,
     centre: Point3<f64>,
     /// p − centre.
@@ -64,18 +64,18 @@ impl RestShape {
             *moved += q;
             *covariance += q * p.transpose();
         }
-        let whole = self.spread * (MIXED / self.centred.len() as f64);
+        let whole = self.spread * (WHOLE_SHARE / self.centred.len() as f64);
         sums.into_iter()
             .map(|(count, rest, moved, covariance)| {
                 let own = covariance - moved * rest.transpose() / f64::max(count, 1.0);
-                polar(&(own + whole * (MIXED * count))).rotation
+                polar(&(own + whole * (WHOLE_SHARE * count))).rotation
             })
             .collect()
     }
 }
 
 impl Seen {
-    /// Where the rigid motion of the whole takes `p`.
+    /// The place to which the rigid motion of the whole takes `p`.
     pub(crate) fn forth(&self, p: &Point3<f64>) -> Point3<f64> {
         self.posed_centre + self.rotation * (p - self.rest_centre)
     }
@@ -106,10 +106,10 @@ struct Shape {
 }
 
 impl HandleShapes {
-    /// From Mᵀ D M-like sums: `factors` is the diagonal of D.
+    /// Made of sums like Mᵀ D M: `factors` is the diagonal of D.
     pub(crate) fn new(space: &HandleSpace, factors: &[f64], weights: &DMatrix<f64>, rest: &[Point3<f64>]) -> Self {
         let total: f64 = factors.iter().sum();
-        let floor = MIXED * MIXED * total / weights.ncols() as f64;
+        let floor = WHOLE_SHARE * WHOLE_SHARE * total / weights.ncols() as f64;
         let shapes = weights.column_iter().enumerate().map(|(k, column)| {
             let (mut mass, mut first, mut spread) = (0.0, Vector3::zeros(), Matrix3::zeros());
             for ((p, &w), d) in rest.iter().zip(column.iter()).zip(factors) {
@@ -141,7 +141,7 @@ impl HandleShapes {
             let moved = projected.fixed_view::<1, 3>(4 * k + 3, 0).into_owned();
             // Σ d w (x − x̄)(q − q̄)ᵀ with q = s x + δ.
             let covariance = shape.spread * radius + turned - shape.first * moved / mass;
-            let still = (MIXED * shape.spread.trace().abs() + shape.floor) * radius;
+            let still = (WHOLE_SHARE * shape.spread.trace().abs() + shape.floor) * radius;
             let rotation = polar(&(covariance.transpose() + Matrix3::identity() * still)).rotation;
             let turn = (rotation - Matrix3::identity()) * radius;
             let mean = shape.first / mass;

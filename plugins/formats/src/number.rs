@@ -7,21 +7,21 @@ use std::io::Write;
 pub struct Decimals(Option<u32>);
 
 /// More decimals than this are written in scientific notation instead.
-const MOST: u32 = 18;
+const MAX_DECIMALS: u32 = 18;
 
 impl Decimals {
     /// As many decimals as keep each coordinate to 5e-10 of `diagonal`, and at least `least`.
     pub fn for_positions(diagonal: f64, least: u32) -> Self {
         let needed = -(1e-9 * diagonal).log10();
-        if !needed.is_finite() || needed > f64::from(MOST) {
+        if !needed.is_finite() || needed > f64::from(MAX_DECIMALS) {
             return Self(None);
         }
-        Self(Some(least.max(needed.ceil().max(0.0) as u32).min(MOST)))
+        Self(Some(least.max(needed.ceil().max(0.0) as u32).min(MAX_DECIMALS)))
     }
 
     /// Exactly `places` decimals, at most 18.
     pub fn fixed(places: u32) -> Self {
-        Self(Some(places.min(MOST)))
+        Self(Some(places.min(MAX_DECIMALS)))
     }
 
     /// Appends `x`; a number too large for the decimals is written with the fewest digits that give it back.

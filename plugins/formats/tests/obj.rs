@@ -4,11 +4,11 @@ mod support;
 
 use std::path::Path;
 
-use mimesh_core::{mesh::Part, stage::Format};
+use mimesh_core::{mesh::Part, stage::Format, testkit::data::data};
 use mimesh_formats::Obj;
 use nalgebra::{Point3, Rotation3, Vector3};
 use proptest::prelude::*;
-use support::{distance, grid, message, read, shared, twisted, write};
+use support::{distance, grid, message, read, twisted, write};
 
 const CUBE_CORNER: &str = "\
 # a corner\r\nmtllib none.mtl\r\no Corner\r\n\
@@ -198,7 +198,7 @@ fn a_pose_must_have_the_vertices_and_polygons_of_the_rest_mesh() {
 
 #[test]
 fn a_face_with_quads_seams_and_materials_comes_back_with_only_its_vertices_changed() {
-    let Some(path) = shared("ict-facekit/generic_neutral_mesh.obj") else { return };
+    let Some(path) = data("ict-facekit/generic_neutral_mesh.obj") else { return };
     let bytes = std::fs::read(&path).unwrap();
     let mesh = Obj::default().read(&path).unwrap().rest;
     assert_eq!((mesh.positions.len(), mesh.polygons.len()), (26719, 26384));
@@ -226,7 +226,7 @@ fn real_poses_are_read_as_by_tobj() {
         "sumner-horse-gallop/0001.obj",
         "cragl-mit-wolf/wolf.obj",
     ];
-    for path in files.into_iter().filter_map(shared) {
+    for path in files.into_iter().filter_map(data) {
         let mesh = Obj::default().read(&path).unwrap().rest;
         let ours = mesh.polygons.corners().iter().map(|&v| mesh.positions[v as usize]).collect::<Vec<_>>();
         assert!(ours == corners_by_tobj(&path), "{} differs", path.display());
@@ -246,7 +246,7 @@ fn corners_by_tobj(path: &Path) -> Vec<Point3<f64>> {
 #[test]
 fn a_posed_horse_has_normals_close_to_those_of_the_true_pose() {
     let (Some(rest), Some(pose)) =
-        (shared("sumner-horse-poses/horse-reference.obj"), shared("sumner-horse-poses/horse-03.obj"))
+        (data("sumner-horse-poses/horse-reference.obj"), data("sumner-horse-poses/horse-03.obj"))
     else {
         return;
     };

@@ -5,11 +5,12 @@ mod support;
 use mimesh_core::{
     mesh::{CornerAttribute, Mesh},
     stage::Format,
+    testkit::data::data,
 };
 use mimesh_formats::{Encoding, Ply, Precision, Stl};
 use nalgebra::{Point3, Vector3};
 use proptest::prelude::*;
-use support::{distance, grid, message, read, shared, twisted, write};
+use support::{distance, grid, message, read, twisted, write};
 
 const ENCODINGS: [Encoding; 3] = [Encoding::Ascii, Encoding::BinaryLittleEndian, Encoding::BinaryBigEndian];
 
@@ -71,7 +72,7 @@ fn seams_have_no_place_in_a_ply() {
 
 #[test]
 fn a_real_ply_is_read_and_written_back_bit_for_bit() {
-    let Some(path) = shared("pebble-camel/truth-camel-01.ply") else { return };
+    let Some(path) = data("pebble-camel/truth-camel-01.ply") else { return };
     let mesh = Ply::default().read(&path).unwrap().rest;
     assert_eq!((mesh.positions.len(), mesh.polygons.len()), (51000, 99000));
     let body = |bytes: &[u8]| {

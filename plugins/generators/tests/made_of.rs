@@ -3,7 +3,7 @@
 use std::{collections::BTreeSet, ops::Range, sync::LazyLock};
 
 use mimesh_core::{
-    mesh::{Mesh, MeshSequence, Part, Statistics, Surface},
+    mesh::{Landmark, Mesh, MeshSequence, Part, Statistics, Surface},
     spatial::{ClosestPoint, Nearest},
     stage::Generator,
 };
@@ -107,7 +107,7 @@ fn parts_are_named_and_grouped_so_that_settings_can_name_them() {
 }
 
 #[test]
-fn there_are_as_many_stones_and_about_as_many_plates_as_asked_for() {
+fn there_are_as_many_pebbles_and_about_as_many_plates_as_asked_for() {
     let count = |made_of, pieces| {
         let settings = Quadruped { made_of, pieces, gait: Gait::None, ..small() };
         settings.make().unwrap().rest.parts.len()
@@ -120,7 +120,7 @@ fn there_are_as_many_stones_and_about_as_many_plates_as_asked_for() {
 }
 
 #[test]
-fn stones_and_boxes_move_rigidly() {
+fn pebbles_and_boxes_move_rigidly() {
     for (settings, animal) in ALL.iter().filter(|(settings, _)| settings.made_of != MadeOf::Plates) {
         for (part, pose) in animal.rest.parts.iter().flat_map(|part| animal.poses.iter().map(move |pose| (part, pose)))
         {
@@ -152,35 +152,40 @@ fn pieces_move_as_the_skin_beside_them() {
                 (own - (posed_skin.positions[s] - skin.rest.positions[s])).norm()
             };
             let mean = beside.iter().enumerate().map(differ).sum::<f64>() / beside.len() as f64;
-            // Half a stone or plate inside, and a rigid box where the body bends, move a little otherwise.
+            // Half a pebble or plate inside, and a rigid box where the body bends, move a little otherwise.
             assert!(mean < 0.25 * moved, "{settings:?} {}: {mean} of {moved}", pose.name);
         }
     }
 }
 
 #[test]
-fn stones_cover_the_skin_and_do_not_touch() {
+fn pebbles_cover_the_skin_and_do_not_touch() {
     for proportions in ANIMALS {
-        let stones = &made(proportions, MadeOf::Pebbles).rest;
-        let surface = Surface::new(stones).unwrap();
+        let pebbles = &made(proportions, MadeOf::Pebbles).rest;
+        let surface = Surface::new(pebbles).unwrap();
         let search = ClosestPoint::new(&surface.positions, &surface.triangles).unwrap();
         let skin = &SKINS[proportions as usize];
         let diagonal = skin.rest.diagonal();
         let away = |p: &Point3<f64>| search.find(p, f64::INFINITY, |_| true).unwrap().distance / diagonal;
         let away: Vec<f64> = skin.rest.positions.iter().map(away).collect();
-        // A stone is about a twentieth of the body long; between rounded stones the skin is open.
+        // A pebble is about a twentieth of the body long; between rounded pebbles the skin is open.
         assert!(away.iter().sum::<f64>() / (away.len() as f64) < 0.005, "{proportions:?}");
         assert!(away.iter().copied().fold(0.0, f64::max) < 0.03, "{proportions:?}");
 
-        for (part, own) in stones.parts.iter().enumerate() {
-            let range = vertices(stones, own);
+        for (part, own) in pebbles.parts.iter().enumerate() {
+            let range = vertices(pebbles, own);
             let other = |t: u32| !own.polygons.contains(&(surface.polygon_of[t as usize] as usize));
-            for p in &stones.positions[range] {
+            for p in &pebbles.positions[range] {
                 let near = search.find(p, f64::INFINITY, other).unwrap();
-                assert!(near.distance > 1e-4 * diagonal, "{proportions:?} stone {part}");
+                assert!(near.distance > 1e-4 * diagonal, "{proportions:?} pebble {part}");
             }
         }
     }
+}
+
+/// Where a landmark lies on the surface of its animal.
+fn place(landmark: &Landmark, surface: &Surface) -> Point3<f64> {
+    surface.point(landmark.point).unwrap().position(surface, &surface.positions)
 }
 
 #[test]
@@ -192,8 +197,8 @@ fn landmarks_are_those_of_the_skin_at_nearly_their_places() {
         assert_eq!(animal.landmarks.len(), skin.landmarks.len());
         for (own, other) in animal.landmarks.iter().zip(&skin.landmarks) {
             assert_eq!(own.name, other.name);
-            let own_place = own.point.position(&surface, &surface.positions);
-            let away = (own_place - other.point.position(&skin_surface, &skin_surface.positions)).norm();
+            let own_place = place(own, &surface);
+            let away = (own_place - place(other, &skin_surface)).norm();
             sum += away / skin.rest.diagonal();
             // A corner of a box lies about this far off a round body.
             assert!(away < 0.06 * skin.rest.diagonal(), "{settings:?} {}: {away}", own.name);
@@ -206,7 +211,7 @@ fn landmarks_are_those_of_the_skin_at_nearly_their_places() {
 fn no_two_landmarks_of_an_animal_coincide() {
     for (settings, animal) in ALL.iter() {
         let surface = Surface::new(&animal.rest).unwrap();
-        let place = |k: usize| animal.landmarks[k].point.position(&surface, &surface.positions);
+        let place = |k: usize| place(&animal.landmarks[k], &surface);
         for (i, j) in (0..animal.landmarks.len()).flat_map(|i| (0..i).map(move |j| (i, j))) {
             let names = (&animal.landmarks[i].name, &animal.landmarks[j].name);
             assert!((place(i) - place(j)).norm() > 0.005, "{settings:?} {names:?}");

@@ -1,8 +1,8 @@
 //! The points of a sampler, whatever the poses: those a user lists, or evenly spread ones as a baseline.
 
 use mimesh_core::{
-    Error, Figures, Result,
-    plugin::{instance, nested},
+    Figures, Result,
+    plugin::{check_ranges, instance, nested},
     register,
     stage::{ChoiceWatch, Chosen, KeyPoints, KeyPointsInput, Sampler},
 };
@@ -17,7 +17,7 @@ register!(KeyPoints: Given);
 #[derive(Debug, Deserialize, JsonSchema, Serialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Given {
-    /// What gives the points.
+    /// The sampler that gives the points.
     pub sampler: Option<Box<dyn Sampler>>,
     /// Most key points: the first of those given.
     #[schemars(range(min = 1))]
@@ -33,7 +33,7 @@ impl Default for Given {
 #[typetag::serde(name = "given")]
 impl KeyPoints for Given {
     fn choose(&self, input: KeyPointsInput<'_>, _: &dyn ChoiceWatch) -> Result<Chosen> {
-        Error::check_setting("max_count", self.max_count as f64, 1.0, f64::INFINITY)?;
+        check_ranges(self)?;
         candidates::check_poses(input)?;
         candidates::check(input.source, input.start)?;
         let sampled = nested("sampler", &self.sampler, "farthest_point")?.sample(input.source)?;

@@ -11,7 +11,7 @@
 
 use mimesh_core::{
     Error, Figures, Result,
-    plugin::{configured, instance, nested},
+    plugin::{check_ranges, configured, instance, nested},
     register,
     serde_json::json,
     stage::{ChoiceWatch, Chosen, Clusterer, Deformer, KeyPoints, KeyPointsInput, Proximity, Sampler, Weights},
@@ -19,9 +19,10 @@ use mimesh_core::{
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+pub use crate::measure::Measure;
 use crate::{
     candidates,
-    search::{Judge, Search, unit_radius},
+    search::{Evaluator, Search, unit_radius},
 };
 
 register!(KeyPoints: Greedy);
@@ -49,29 +50,18 @@ pub struct Greedy {
     pub max_rounds: usize,
     /// The candidate to begin with, by its number; the second stage may exchange it.
     pub first: usize,
-    /// Where candidates lie; farthest points, 100 of them, as in the paper.
+    /// The candidates; by default 100 farthest points, as in the paper.
     pub sampler: Option<Box<dyn Sampler>>,
     /// How the influence of key points spreads.
     pub weights: Option<Box<dyn Weights>>,
     /// Weights that rank candidates.
     pub ranking: Option<Box<dyn Weights>>,
-    /// What links the components of a source of several; with `null` each has a key point from the beginning.
+    /// Links between the components of a source of several; with `null` each has a key point from the beginning.
     pub proximity: Option<Box<dyn Proximity>>,
     /// How the source is divided into regions that move about rigidly.
     pub clusterer: Option<Box<dyn Clusterer>>,
     /// How poses are fitted.
     pub deformer: Option<Box<dyn Deformer>>,
-}
-
-/// How far poses are missed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Measure {
-    /// The mean distance over all poses and vertices.
-    #[default]
-    Mean,
-    /// The Frobenius norm of the distances over the number of vertices, mean over poses (eq. 22 to the letter).
-    Frobenius,
 }
 
 impl Default for Greedy {
@@ -97,9 +87,7 @@ impl Default for Greedy {
 #[typetag::serde(name = "greedy")]
 impl KeyPoints for Greedy {
     fn choose(&self, input: KeyPointsInput<'_>, watch: &dyn ChoiceWatch) -> Result<Chosen> {
-        Error::check_setting("threshold", self.threshold, 0.0, f64::INFINITY)?;
-        Error::check_setting("max_count", self.max_count as f64, 1.0, f64::INFINITY)?;
-        Error::check_setting("shortlist", self.shortlist as f64, 1.0, f64::INFINITY)?;
+        check_ranges(self)?;
         let KeyPointsInput { source, poses, start } = input;
         candidates::check_poses(input)?;
         candidates::check(source, start)?;
@@ -112,7 +100,7 @@ impl KeyPoints for Greedy {
         let (points, started) = candidates::with_start(source, sampled, start);
         if started.is_empty() && self.first >= points.len() {
             return Err(Error::Setting {
-                setting: "first",
+                setting: "first".into(),
                 expected: format!("a candidate from 0 to {}", points.len() - 1),
                 found: self.first.to_string(),
             });
@@ -124,8 +112,8 @@ impl KeyPoints for Greedy {
             Some(proximity) if source.components().count() > 1 => Some(proximity.proximity(source)?),
             _ => None,
         };
-        let judge = |weights: &dyn Weights| -> Result<Judge<'_>> {
-            Ok(Judge {
+        let judge = |weights: &dyn Weights| -> Result<Evaluator<'_>> {
+            Ok(Evaluator {
                 weights: weights.bind(source, &points, links.as_ref())?,
                 regions: regions.as_ref(),
                 deformer: deformer.as_ref(),

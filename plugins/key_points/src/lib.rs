@@ -3,4 +3,5 @@
 mod candidates;
 pub mod given;
 pub mod greedy;
+mod measure;
 mod search;

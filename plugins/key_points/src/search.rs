@@ -9,10 +9,10 @@ use nalgebra::Point3;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use crate::greedy::Measure;
+use crate::measure::Measure;
 
 /// An exchange counts if it lowers the error by more than this part: less is rounding, and could go round in circles.
-const LEAST_GAIN: f64 = 1e-9;
+const MIN_GAIN: f64 = 1e-9;
 
 /// An exchange that ranks worse than what is there by more than this part is not worth the cost of judging it.
 const RANKING_SLACK: f64 = 0.02;
@@ -31,7 +31,7 @@ pub fn unit_radius(positions: &[Point3<f64>]) -> f64 {
 }
 
 /// Tells how far the poses are missed with a set of candidates as handles.
-pub struct Judge<'a> {
+pub struct Evaluator<'a> {
     pub weights: Box<dyn BoundWeights>,
     pub regions: &'a dyn BoundClusterer,
     pub deformer: &'a dyn BoundDeformer,
@@ -40,7 +40,7 @@ pub struct Judge<'a> {
     pub unit: f64,
 }
 
-impl Judge<'_> {
+impl Evaluator<'_> {
     pub fn error(&self, handles: &[usize]) -> Result<f64> {
         let weights = self.weights.solve(handles)?;
         let regions = self.regions.cluster(&weights.matrix)?;
@@ -67,8 +67,8 @@ impl Judge<'_> {
 /// A search on its way.
 pub struct Search<'a> {
     points: &'a [SurfacePoint],
-    exact: &'a Judge<'a>,
-    ranking: Option<&'a Judge<'a>>,
+    exact: &'a Evaluator<'a>,
+    ranking: Option<&'a Evaluator<'a>>,
     shortlist: usize,
     watch: &'a dyn ChoiceWatch,
     /// The chosen candidates.
@@ -86,8 +86,8 @@ pub struct Search<'a> {
 impl<'a> Search<'a> {
     pub fn new(
         points: &'a [SurfacePoint],
-        exact: &'a Judge<'a>,
-        ranking: Option<&'a Judge<'a>>,
+        exact: &'a Evaluator<'a>,
+        ranking: Option<&'a Evaluator<'a>>,
         shortlist: usize,
         watch: &'a dyn ChoiceWatch,
     ) -> Self {
@@ -135,7 +135,7 @@ impl<'a> Search<'a> {
                 };
                 let sets: Vec<Vec<usize>> = self.others().map(with).collect();
                 if let Some((set, error)) = self.best(sets, worst)?
-                    && error < self.error * (1.0 - LEAST_GAIN)
+                    && error < self.error * (1.0 - MIN_GAIN)
                 {
                     self.take(set, error, true);
                     worst = self.worst_to_judge();
@@ -192,7 +192,7 @@ impl<'a> Search<'a> {
     }
 
     /// The errors of the sets that can be judged, by their numbers.
-    fn errors(&self, judge: &Judge<'_>, sets: &[Vec<usize>]) -> Vec<(usize, f64)> {
+    fn errors(&self, judge: &Evaluator<'_>, sets: &[Vec<usize>]) -> Vec<(usize, f64)> {
         let done = AtomicUsize::new(0);
         let error = |(i, set): (usize, &Vec<usize>)| {
             if self.watch.is_interrupted() {

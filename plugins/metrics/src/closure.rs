@@ -4,26 +4,24 @@ use mimesh_core::{
     Error, Figures, Result,
     mesh::{Surface, bounding_box},
     register,
-    stage::{BoundMetric, Limit, Measured, Metric, MetricContext, MetricInput},
+    stage::{BoundMetric, Measured, Metric, MetricContext, MetricInput, Statistic},
 };
 use nalgebra::Point3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::spread::{Spread, first_largest};
+use crate::distribution::{Distribution, first_largest};
 
 register!(Metric: Closure);
 
-/// Lips and eyelids that do not close, or do not open, as far as the source's.
+/// Lips and eyelids that do not close or open as far as those of the source.
 ///
-/// Of each of the `pairs` the gap is the mean over the upper vertices of the distance to the nearest lower vertex. With g its size
-/// in the pose, g₀ at rest and w the diagonal of the bounding box of all its vertices at rest, it is opened by
-/// o = (g − g₀) / max(g₀, w / 10): −1 where an open eye closes, and in proportion to its width where a mouth that is closed at rest
-/// opens. Its error in percent is 100 |o − o of the source|. Figures:
-/// - `worst_gap_error`, `mean_gap_error` over the pairs, and `worst`, the number of the worst in the list, from 0;
-/// - `worst_gap`, `source_worst_gap`: the gap of the worst in target and source, in percent of w.
+/// Each of the `pairs` has a gap: the mean over its upper vertices of the distance to the nearest lower vertex. It is g in the pose
+/// and g₀ at rest. The diagonal of the bounding box of all vertices of the pair at rest is w. The opening of the pair is o = (g −
+/// g₀) / max(g₀, w / 10). An open eye that closes has −1. A mouth that is closed at rest opens in proportion to its width. The
+/// error of a pair is 100 |o − o of the source| percent.
 ///
-/// There are no figures without pairs or without a source.
+/// There are no statistics without pairs or without a source.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema, Serialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Closure {
@@ -31,11 +29,11 @@ pub struct Closure {
     pub pairs: Vec<Rims>,
 }
 
-/// Two rims that meet where they close; vertices count from 0 as in the files.
+/// Two rims that meet where they close. Vertices count from 0 as in the files.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Rims {
-    /// For messages.
+    /// The name of the pair in messages.
     pub name: String,
     /// Vertices of the target's upper rim.
     pub upper: Vec<u32>,
@@ -49,57 +47,58 @@ pub struct Rims {
 
 #[typetag::serde(name = "closure")]
 impl Metric for Closure {
-    fn bind<'a>(&self, subject: MetricContext<'a>) -> Result<Box<dyn BoundMetric + 'a>> {
+    fn bind<'a>(&self, context: MetricContext<'a>) -> Result<Box<dyn BoundMetric + 'a>> {
         let mut gaps = Vec::new();
         for rims in &self.pairs {
             let target = [("target upper", &rims.upper), ("target lower", &rims.lower)];
-            let target = Gap::new(&rims.name, target, subject.surface)?;
-            let Some(pair) = subject.pair else { continue };
+            let target = Gap::new(&rims.name, target, context.surface)?;
+            let Some(pair) = context.pair else { continue };
             let source = [("source upper", &rims.source_upper), ("source lower", &rims.source_lower)];
             gaps.push((target, Gap::new(&rims.name, source, pair.source)?));
         }
         let names = self.pairs.iter().map(|pair| pair.name.clone()).collect();
-        Ok(Box::new(Bound { subject, gaps, names }))
+        Ok(Box::new(Bound { context, gaps, names }))
     }
 
-    fn figures(&self) -> Vec<&'static str> {
-        vec!["worst_gap_error", "mean_gap_error", "worst", "worst_gap", "source_worst_gap"]
-    }
-
-    fn limits(&self) -> Vec<Limit> {
-        vec![Limit { figure: "worst_gap_error", doubtful: 25.0, bad: 75.0 }]
+    fn statistics(&self) -> Vec<Statistic> {
+        vec![
+            Statistic::new("worst_gap_error", "%", "Largest error of a pair.").with_limits(25.0, 75.0),
+            Statistic::new("mean_gap_error", "%", "Mean error over the pairs."),
+            Statistic::index("worst", "Pair with the largest error, by its place in the list."),
+            Statistic::new("worst_gap", "%", "Gap of the worst pair, relative to w."),
+            Statistic::new("source_worst_gap", "%", "The same as `worst_gap`, of the source."),
+        ]
     }
 }
 
 struct Bound<'a> {
-    subject: MetricContext<'a>,
-    /// Of target and source.
+    context: MetricContext<'a>,
+    /// The gap of each pair on the target and on the source; empty if no source is known.
     gaps: Vec<(Gap, Gap)>,
-    /// What they are called.
+    /// The names of the pairs.
     names: Vec<String>,
 }
 
 impl BoundMetric for Bound<'_> {
-    fn measure(&self, pose: MetricInput<'_>) -> Result<Measured> {
-        self.subject.check(&pose)?;
-        let Some(source) = pose.source else { return Ok(Measured::default()) };
-        let posed = self.subject.surface.from_mesh(pose.result)?;
+    fn measure(&self, input: MetricInput<'_>) -> Result<Measured> {
+        self.context.check(&input)?;
+        let Some(source) = input.source else { return Ok(Measured::default()) };
+        let posed = input.result.surface;
         let error = |(target, of_source): &(Gap, Gap)| {
-            100.0 * (target.opened(target.size(&posed)) - of_source.opened(of_source.size(source))).abs()
+            100.0 * (target.opening(target.size(posed)) - of_source.opening(of_source.size(source))).abs()
         };
         let errors: Vec<f64> = self.gaps.iter().map(error).collect();
         let Some(worst) = first_largest(&errors) else { return Ok(Measured::default()) };
-        let Some(finite) = Spread::even(errors.iter().copied()) else { return Ok(Measured::default()) };
-        let mut figures = Figures::default();
-        figures.set("worst_gap_error", errors[worst]);
-        figures.set("mean_gap_error", finite.mean());
-        figures.set("worst", worst);
+        let Some(finite) = Distribution::unweighted(errors.iter().copied()) else { return Ok(Measured::default()) };
+        let mut statistics = Figures::default();
+        statistics.set("worst_gap_error", errors[worst]);
+        statistics.set("mean_gap_error", finite.mean());
+        statistics.set("worst", worst);
         let (target, of_source) = &self.gaps[worst];
-        figures.set("worst_gap", 100.0 * target.size(&posed) / target.width);
-        figures.set("source_worst_gap", 100.0 * of_source.size(source) / of_source.width);
-        // Without a source there are no gaps, so that names may be more.
+        statistics.set("worst_gap", 100.0 * target.size(posed) / target.width);
+        statistics.set("source_worst_gap", 100.0 * of_source.size(source) / of_source.width);
         let about = self.names.get(worst).map(|name| ("worst_gap_error", name.clone())).into_iter().collect();
-        Ok(Measured { figures, about, ..Measured::default() })
+        Ok(Measured { statistics, about, ..Measured::default() })
     }
 }
 
@@ -107,8 +106,9 @@ impl BoundMetric for Bound<'_> {
 struct Gap {
     upper: Vec<u32>,
     lower: Vec<u32>,
-    /// At rest.
+    /// Its size at rest, g₀.
     rest: f64,
+    /// The diagonal of the bounding box of both rims at rest, w.
     width: f64,
 }
 
@@ -130,21 +130,27 @@ impl Gap {
         Ok(gap)
     }
 
+    /// The mean distance from the upper rim to the lower one, g; NaN if a vertex is not finite.
     fn size(&self, positions: &[Point3<f64>]) -> f64 {
         let nearest = |&u: &u32| {
             let distance = |&l: &u32| (positions[u as usize] - positions[l as usize]).norm();
-            // NaN is kept, so that a broken pose has no figure instead of a wrong one.
+            // NaN is kept, so that a broken pose has no statistic instead of a wrong one.
             self.lower.iter().map(distance).fold(f64::INFINITY, |a, b| if b.is_nan() || b < a { b } else { a })
         };
         self.upper.iter().map(nearest).sum::<f64>() / self.upper.len() as f64
     }
 
-    fn opened(&self, size: f64) -> f64 {
+    /// (g − g₀) / max(g₀, w / 10).
+    fn opening(&self, size: f64) -> f64 {
         (size - self.rest) / self.rest.max(0.1 * self.width)
     }
 }
 
-/// The vertices of the surface for vertices of the file.
+/// The vertices of the surface for `vertices` of the file.
+///
+/// # Errors
+///
+/// [`Error::Data`] if there are none, or one of them does not exist.
 fn on_surface(name: &str, rim: &str, vertices: &[u32], surface: &Surface) -> Result<Vec<u32>> {
     if vertices.is_empty() {
         let key = rim.replace("target ", "").replace(' ', "_");
@@ -170,7 +176,7 @@ mod tests {
     use mimesh_core::{mesh::Mesh, stage::TransferPair, testkit::meshes};
 
     use super::*;
-    use crate::testing::{assert_figure, with_source};
+    use crate::testing::{assert_statistic, with_source};
 
     /// A strip whose rows y = 0.25 and y = 0.5 are the lower and upper rim.
     fn strip() -> (Surface, Closure) {
@@ -191,27 +197,27 @@ mod tests {
     fn a_target_that_stays_half_open_where_the_source_closes_is_off_by_a_half() {
         let (strip, closure) = strip();
         let (closed, half) = (opened(&strip, 0.25), opened(&strip, 0.375));
-        let figures = with_source(&closure, &strip, &half, &closed);
-        assert_figure(&figures, "worst_gap_error", 50.0, 1e-10);
-        assert_figure(&figures, "worst", 0.0, 0.0);
+        let statistics = with_source(&closure, &strip, &half, &closed);
+        assert_statistic(&statistics, "worst_gap_error", 50.0, 1e-10);
+        assert_statistic(&statistics, "worst", 0.0, 0.0);
         // A gap of 1/8 on a rectangle of 1 × 1/4.
-        assert_figure(&figures, "worst_gap", 12.5 / 1.0625f64.sqrt(), 1e-10);
-        assert_figure(&figures, "source_worst_gap", 0.0, 1e-10);
-        assert_figure(&with_source(&closure, &strip, &closed, &closed), "worst_gap_error", 0.0, 1e-10);
+        assert_statistic(&statistics, "worst_gap", 12.5 / 1.0625f64.sqrt(), 1e-10);
+        assert_statistic(&statistics, "source_worst_gap", 0.0, 1e-10);
+        assert_statistic(&with_source(&closure, &strip, &closed, &closed), "worst_gap_error", 0.0, 1e-10);
     }
 
     #[test]
-    fn no_pairs_have_no_figures_and_vertices_that_do_not_exist_are_named() {
+    fn no_pairs_have_no_statistics_and_vertices_that_do_not_exist_are_named() {
         let (strip, mut closure) = strip();
         assert!(with_source(&Closure::default(), &strip, &strip.positions, &strip.positions).values.is_empty());
         let mesh = Mesh::from_triangles(strip.positions.clone(), &strip.triangles);
         let pair = TransferPair { source: &strip, target: &strip, markers: &[], proximity: None };
-        let subject = MetricContext { pair: Some(pair), ..MetricContext::alone(&mesh, &strip) };
+        let context = MetricContext { pair: Some(pair), ..MetricContext::alone(&mesh, &strip) };
         closure.pairs[0].source_lower = vec![3, 25];
-        let error = closure.bind(subject).err().unwrap();
+        let error = closure.bind(context).err().unwrap();
         assert_eq!(error.to_string(), "closure pair lips: the source lower rim has no vertex 25: expected 0 to 24");
         closure.pairs[0].upper = vec![];
-        let error = closure.bind(subject).err().unwrap();
+        let error = closure.bind(context).err().unwrap();
         assert_eq!(error.to_string(), "closure pair lips: no vertices of the target upper rim");
         assert_eq!(error.hint(), Some("name some along the rim: `upper: [12, 13, 14]`"));
     }

@@ -1,33 +1,36 @@
 //! Feet that slide.
 
 use mimesh_core::{
-    Error, Figures, Result,
+    Figures, Result,
     mesh::SurfacePoint,
+    plugin::check_ranges,
     register,
-    stage::{BoundMetric, Limit, Measured, Metric, MetricContext, MetricInput, TransferPair},
+    stage::{BoundMetric, Measured, Metric, MetricContext, MetricInput, Statistic, TransferPair},
 };
 use nalgebra::Point3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::{size, spread::Spread};
+use crate::{diagonal, distribution::Distribution, vertex_field};
 
 register!(Metric: ContactSlide);
 
-/// Feet that slide: how far parts of the target move since the frame before, where the source stands still on the ground.
+/// Feet that slide: motion of the target where the source stands still on the ground.
 ///
-/// A vertex of the target is planted if the point of the source that it takes its motion from moved less than `still` since the
-/// frame before, and lies within `height` above the lowest point of the source, both at rest. Its slide is how far it moved itself
-/// since then, in percent of the target's diagonal. Figures:
-/// - `mean`, `p95`, `max` of the slides; `planted`: number of planted vertices, of the welded surface.
+/// Each vertex of the target takes its motion from a point of the source. It is planted if that point moved less than `still` since
+/// the frame before. At rest the point must also lie at most `height` above the lowest point of the source. The slide of a planted
+/// vertex is how far it moved since the frame before, in percent of the target's diagonal.
 ///
-/// There are no figures where nothing is planted, without a frame before, and without a map from the target to the source.
+/// There are no statistics if no vertex is planted, without a frame before, or without a map from the target to the source. The
+/// field is the slide of each planted vertex.
 #[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ContactSlide {
     /// A point of the source stands still if it moves less than this between two frames, in percent of the source's diagonal.
+    #[schemars(range(min = 0.0, max = 100.0))]
     pub still: f64,
     /// The ground reaches this high above the lowest point of the source at rest, in percent of the source's diagonal.
+    #[schemars(range(min = 0.0, max = 100.0))]
     pub height: f64,
     /// The axis of the source that points upwards.
     pub up: Axis,
@@ -54,24 +57,24 @@ impl Default for ContactSlide {
 
 #[typetag::serde(name = "contact_slide")]
 impl Metric for ContactSlide {
-    fn bind<'a>(&self, subject: MetricContext<'a>) -> Result<Box<dyn BoundMetric + 'a>> {
-        Error::check_setting("still", self.still, 0.0, 100.0)?;
-        Error::check_setting("height", self.height, 0.0, 100.0)?;
-        let diagonal = size::of_rest(subject.rest)?;
-        let (Some(pair), Some(map)) = (subject.pair, subject.map) else {
-            return Ok(Box::new(Bound { subject, diagonal, still: 0.0, low: vec![] }));
+    fn bind<'a>(&self, context: MetricContext<'a>) -> Result<Box<dyn BoundMetric + 'a>> {
+        check_ranges(self)?;
+        let diagonal = diagonal::of_target(context.rest)?;
+        let (Some(pair), Some(map)) = (context.pair, context.map) else {
+            return Ok(Box::new(Bound { context, diagonal, still: 0.0, contacts: vec![] }));
         };
-        let source_diagonal = size::of_source(pair.source)?;
-        let low = self.low(pair, &map.source_points(pair)?, self.height / 100.0 * source_diagonal);
-        Ok(Box::new(Bound { subject, diagonal, still: self.still / 100.0 * source_diagonal, low }))
+        let source_diagonal = diagonal::of_source(pair.source)?;
+        let contacts = self.foot_contacts(pair, &map.source_points(pair)?, self.height / 100.0 * source_diagonal);
+        Ok(Box::new(Bound { context, diagonal, still: self.still / 100.0 * source_diagonal, contacts }))
     }
 
-    fn figures(&self) -> Vec<&'static str> {
-        vec!["mean", "p95", "max", "planted"]
-    }
-
-    fn limits(&self) -> Vec<Limit> {
-        vec![Limit { figure: "p95", doubtful: 1.0, bad: 3.0 }]
+    fn statistics(&self) -> Vec<Statistic> {
+        vec![
+            Statistic::new("mean", "%", "Mean slide over planted vertices."),
+            Statistic::new("p95", "%", "95th percentile of the slide over planted vertices.").with_limits(1.0, 3.0),
+            Statistic::new("max", "%", "Largest slide of a planted vertex."),
+            Statistic::new("planted", "count", "Planted vertices of the welded surface."),
+        ]
     }
 
     fn by_default(&self) -> bool {
@@ -80,8 +83,8 @@ impl Metric for ContactSlide {
 }
 
 impl ContactSlide {
-    /// The vertices of the target that lie on what is low of the source at rest, with their points there.
-    fn low(&self, pair: TransferPair<'_>, points: &[SurfacePoint], height: f64) -> Vec<(u32, SurfacePoint)> {
+    /// The vertices of the target that correspond to points of the source near the ground at rest, with these points.
+    fn foot_contacts(&self, pair: TransferPair<'_>, points: &[SurfacePoint], height: f64) -> Vec<(u32, SurfacePoint)> {
         let up = self.up as usize;
         let rest = &pair.source.positions;
         // A stray vertex below the feet is no ground.
@@ -93,40 +96,41 @@ impl ContactSlide {
 }
 
 struct Bound<'a> {
-    subject: MetricContext<'a>,
+    context: MetricContext<'a>,
     diagonal: f64,
-    /// In the unit of the source.
+    /// The largest motion of a point that stands still, in the unit of the source.
     still: f64,
-    low: Vec<(u32, SurfacePoint)>,
+    /// Vertices of the target with their points of the source, where those lie near the ground at rest.
+    contacts: Vec<(u32, SurfacePoint)>,
 }
 
 impl BoundMetric for Bound<'_> {
-    fn measure(&self, pose: MetricInput<'_>) -> Result<Measured> {
-        self.subject.check(&pose)?;
-        let (Some(pair), Some(now), Some(before)) = (self.subject.pair, pose.source, pose.before[0]) else {
+    fn measure(&self, input: MetricInput<'_>) -> Result<Measured> {
+        self.context.check(&input)?;
+        let (Some(pair), Some(now), Some(before)) = (self.context.pair, input.source, input.before[0]) else {
             return Ok(Measured::default());
         };
         let Some(source_before) = before.source else { return Ok(Measured::default()) };
-        let surface = self.subject.surface;
-        let (result, result_before) = (surface.from_mesh(pose.result)?, surface.from_mesh(before.result)?);
+        let surface = self.context.surface;
+        let (result, result_before) = (input.result.surface, before.result.surface);
         let mut values = vec![f64::NAN; surface.vertex_count()];
-        for (v, point) in &self.low {
+        for (v, point) in &self.contacts {
             let at = |positions: &[Point3<f64>]| point.position(pair.source, positions);
             let slide = 100.0 * (result[*v as usize] - result_before[*v as usize]).norm() / self.diagonal;
             if (at(now) - at(source_before)).norm() < self.still && slide.is_finite() {
                 values[*v as usize] = slide;
             }
         }
-        let Some(slides) = Spread::even(values.iter().copied()) else { return Ok(Measured::default()) };
-        let mut figures = Figures::default();
-        figures.set("mean", slides.mean());
-        figures.set("p95", slides.percentile(0.95));
-        figures.set("max", slides.max());
-        figures.set("planted", slides.count());
+        let Some(slides) = Distribution::unweighted(values.iter().copied()) else { return Ok(Measured::default()) };
+        let mut statistics = Figures::default();
+        statistics.set("mean", slides.mean());
+        statistics.set("p95", slides.percentile(0.95));
+        statistics.set("max", slides.max());
+        statistics.set("planted", slides.count());
         Ok(Measured {
-            figures,
+            statistics,
             about: vec![],
-            field: size::field(surface, &values),
+            field: vertex_field::on_mesh(surface, &values),
             field_unit: "slide, %",
             field_high: 3.0,
         })
@@ -143,19 +147,19 @@ mod tests {
     use nalgebra::Vector3;
 
     use super::*;
-    use crate::testing::{assert_figure, frames, moved};
+    use crate::testing::{assert_statistic, frames, moved};
 
     fn slide(target: &Surface, result: [&[Point3<f64>]; 2], source: [&[Point3<f64>]; 2], up: Axis) -> Figures {
         let map = TriangleMap {
-            source_triangles: target.triangle_count(),
-            partners: (0..target.triangle_count() as u32).map(Some).collect(),
+            source_triangle_count: target.triangle_count(),
+            triangles: (0..target.triangle_count() as u32).map(Some).collect(),
             ..TriangleMap::default()
         };
         let mesh = Mesh::from_triangles(target.positions.clone(), &target.triangles);
         let pair = TransferPair { source: target, target, markers: &[], proximity: None };
-        let subject = MetricContext { pair: Some(pair), map: Some(&map), ..MetricContext::alone(&mesh, target) };
+        let context = MetricContext { pair: Some(pair), map: Some(&map), ..MetricContext::alone(&mesh, target) };
         let metric = ContactSlide { up, ..ContactSlide::default() };
-        frames(subject, &metric, [result[0], result[1], result[1]], [source[0], source[1], source[1]])
+        frames(context, &metric, [result[0], result[1], result[1]], [source[0], source[1], source[1]])
     }
 
     #[test]
@@ -165,11 +169,11 @@ mod tests {
         let slid = moved(&bar.positions, Vector3::x() * 0.05 * bar.diagonal());
         // The source leans over its foot.
         let leaning: Vec<_> = bar.positions.iter().map(|p| p + Vector3::x() * (p.y + 0.5)).collect();
-        let figures = slide(&bar, [&slid, &bar.positions], [&leaning, &bar.positions], Axis::Y);
-        assert_figure(&figures, "planted", foot as f64, 0.0);
-        ["mean", "p95", "max"].iter().for_each(|name| assert_figure(&figures, name, 5.0, 1e-12));
-        let figures = slide(&bar, [&leaning, &bar.positions], [&leaning, &bar.positions], Axis::Y);
-        assert_figure(&figures, "max", 0.0, 1e-12);
+        let statistics = slide(&bar, [&slid, &bar.positions], [&leaning, &bar.positions], Axis::Y);
+        assert_statistic(&statistics, "planted", foot as f64, 0.0);
+        ["mean", "p95", "max"].iter().for_each(|name| assert_statistic(&statistics, name, 5.0, 1e-12));
+        let statistics = slide(&bar, [&leaning, &bar.positions], [&leaning, &bar.positions], Axis::Y);
+        assert_statistic(&statistics, "max", 0.0, 1e-12);
     }
 
     #[test]
@@ -178,7 +182,7 @@ mod tests {
         let slid = moved(&bar.positions, Vector3::x() * 0.05);
         assert!(slide(&bar, [&slid, &bar.positions], [&slid, &bar.positions], Axis::Y).values.is_empty());
         let side = bar.positions.iter().filter(|p| p.x < -0.09).count();
-        let figures = slide(&bar, [&slid, &bar.positions], [&bar.positions, &bar.positions], Axis::X);
-        assert_figure(&figures, "planted", side as f64, 0.0);
+        let statistics = slide(&bar, [&slid, &bar.positions], [&bar.positions, &bar.positions], Axis::X);
+        assert_statistic(&statistics, "planted", side as f64, 0.0);
     }
 }

@@ -1,41 +1,44 @@
-//! Whether two triangles run through each other.
+//! Whether two triangles cross.
 
 use nalgebra::{Point3, Vector3};
 
-/// Whether one triangle crosses the other: an edge of one has its ends on both sides of the other, farther than `slack` from its
-/// plane, and passes through it, rim included. Triangles that touch, or lie in one plane, do not cross; nor do those without area.
-pub fn cross(a: &[Point3<f64>; 3], b: &[Point3<f64>; 3], slack: f64) -> bool {
+/// Whether an edge of one triangle passes through the other, rim included.
+///
+/// The ends of that edge must lie on both sides of the other triangle, farther than `tolerance` from its plane. So triangles that
+/// touch or lie in one plane do not cross. Triangles without area cross nothing.
+pub fn triangles_cross(a: &[Point3<f64>; 3], b: &[Point3<f64>; 3], tolerance: f64) -> bool {
     let Some(normal_a) = unit_normal(a) else { return false };
-    let above_a = b.map(|p| (p - a[0]).dot(&normal_a));
-    if one_side(&above_a, slack) {
+    let heights_b = b.map(|p| (p - a[0]).dot(&normal_a));
+    if are_on_one_side(&heights_b, tolerance) {
         return false;
     }
     let Some(normal_b) = unit_normal(b) else { return false };
-    let above_b = a.map(|p| (p - b[0]).dot(&normal_b));
-    if one_side(&above_b, slack) {
+    let heights_a = a.map(|p| (p - b[0]).dot(&normal_b));
+    if are_on_one_side(&heights_a, tolerance) {
         return false;
     }
-    pierces(b, &above_a, a, slack) || pierces(a, &above_b, b, slack)
+    pierces(b, &heights_b, a, tolerance) || pierces(a, &heights_a, b, tolerance)
 }
 
 fn unit_normal([a, b, c]: &[Point3<f64>; 3]) -> Option<Vector3<f64>> {
     (b - a).cross(&(c - a)).try_normalize(0.0)
 }
 
-fn one_side(above: &[f64; 3], slack: f64) -> bool {
-    above.iter().all(|x| *x <= slack) || above.iter().all(|x| *x >= -slack)
+fn are_on_one_side(heights: &[f64; 3], tolerance: f64) -> bool {
+    heights.iter().all(|x| *x <= tolerance) || heights.iter().all(|x| *x >= -tolerance)
 }
 
-/// Whether an edge of `triangle`, whose corners are `above` the plane of `other`, passes through `other`.
-fn pierces(triangle: &[Point3<f64>; 3], above: &[f64; 3], other: &[Point3<f64>; 3], slack: f64) -> bool {
+/// Whether an edge of `triangle` passes through `other`, above whose plane its corners have `heights`.
+fn pierces(triangle: &[Point3<f64>; 3], heights: &[f64; 3], other: &[Point3<f64>; 3], tolerance: f64) -> bool {
     [(0, 1), (1, 2), (2, 0)].into_iter().any(|(i, j)| {
-        let parted = (above[i] > slack && above[j] < -slack) || (above[i] < -slack && above[j] > slack);
-        parted && passes(&triangle[i], &triangle[j], other)
+        let apart =
+            (heights[i] > tolerance && heights[j] < -tolerance) || (heights[i] < -tolerance && heights[j] > tolerance);
+        apart && line_meets(&triangle[i], &triangle[j], other)
     })
 }
 
-/// Whether the line through p and q passes through a triangle: it sees all three edges run the same way round.
-fn passes(p: &Point3<f64>, q: &Point3<f64>, corners: &[Point3<f64>; 3]) -> bool {
+/// Whether the line through p and q passes through a triangle, all of whose edges then turn the same way about it.
+fn line_meets(p: &Point3<f64>, q: &Point3<f64>, corners: &[Point3<f64>; 3]) -> bool {
     let along = q - p;
     let [a, b, c] = corners.map(|corner| corner - p);
     let sides = [along.dot(&a.cross(&b)), along.dot(&b.cross(&c)), along.dot(&c.cross(&a))];
@@ -60,7 +63,8 @@ mod tests {
         let above = through.map(|p| p + Vector3::new(0.0, 0.0, 1.5));
         let standing = through.map(|p| p + Vector3::new(0.0, 0.0, 1.0));
         let inside = triangle([[0.2, 0.2, 0.], [0.5, 0.2, 0.], [0.2, 0.5, 0.]]);
-        let crosses = |other: &[Point3<f64>; 3]| [cross(&floor, other, 1e-6), cross(other, &floor, 1e-6)];
+        let crosses =
+            |other: &[Point3<f64>; 3]| [triangles_cross(&floor, other, 1e-6), triangles_cross(other, &floor, 1e-6)];
         assert_eq!(crosses(&through), [true; 2]);
         for other in [beside, above, standing, inside, floor] {
             assert_eq!(crosses(&other), [false; 2], "{other:?}");
@@ -71,6 +75,6 @@ mod tests {
     fn an_edge_through_the_rim_of_two_triangles_crosses_at_least_one() {
         let halves = [FLOOR, [[2., 0., 0.], [2., 2., 0.], [0., 2., 0.]]].map(triangle);
         let through = triangle([[1.0, 1.0, -1.], [1.0, 1.0, 1.], [9., 9., 1.]]);
-        assert!(halves.iter().any(|half| cross(half, &through, 1e-6)));
+        assert!(halves.iter().any(|half| triangles_cross(half, &through, 1e-6)));
     }
 }

@@ -2,51 +2,41 @@
 
 use mimesh_core::{
     Result, register,
-    stage::{BoundMetric, Limit, Metric, MetricContext},
+    stage::{BoundMetric, Limits, Metric, MetricContext, Statistic},
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    change::{Change, FIGURES},
     elements,
+    size_change::{self, SizeChange},
 };
 
 register!(Metric: EdgeStretch);
 
-/// How much edges grow and shrink, beyond what the source's edges do.
+/// How much edges grow and shrink, beyond the edges of the source.
 ///
-/// For each edge of the welded surface s = ln(l / l₀), l its length in the pose and l₀ at rest; its stretch in percent is
-/// 100 (e^|s| − 1), so that twice as long and half as long are both 100 %. Percentiles count each edge by l₀. Figures:
-/// - `p99` and `max` of the stretch;
-/// - `median`: 100 (eᵐ − 1) of the median m of s, with its sign: a wrong scale shows here;
-/// - `source_p99`, `source_max`, `source_median`: the same of the source's edges;
-/// - `beyond` = max(0, `p99` − `source_p99`), in percentage points;
-/// - `left_out`: edges shorter than 1e-5 of the diagonal at rest, or with an end that is not finite.
+/// An edge of length l₀ at rest and l in the pose has s = ln(l / l₀). Its change is 100 (e^|s| − 1) percent, so that twice as long
+/// and half as long are both 100 %. The median is 100 (eᵐ − 1) with m the median of s, and has a sign. Percentiles count each edge
+/// by l₀.
 ///
-/// Lengths below 1e-5 of the diagonal count as that. The field is the largest stretch of the edges around a vertex beyond
-/// `source_p99`.
+/// Edges shorter than 1e-5 of the diagonal at rest are left out. Shorter lengths in the pose count as that length. The field is the
+/// largest change of the edges at a vertex, less `source_p99`.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema, Serialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct EdgeStretch {}
 
 #[typetag::serde(name = "edge_stretch")]
 impl Metric for EdgeStretch {
-    fn bind<'a>(&self, subject: MetricContext<'a>) -> Result<Box<dyn BoundMetric + 'a>> {
-        let target = elements::edges(subject.surface);
-        let source = subject.pair.map(|pair| elements::edges(pair.source));
-        Ok(Box::new(Change { subject, target, source, field_unit: "stretch, %", field_high: 100.0 }))
+    fn bind<'a>(&self, context: MetricContext<'a>) -> Result<Box<dyn BoundMetric + 'a>> {
+        let target = elements::edges(context.surface);
+        let source = context.pair.map(|pair| elements::edges(pair.source));
+        Ok(Box::new(SizeChange { context, target, source, field_unit: "stretch, %", field_high: 100.0 }))
     }
 
-    fn figures(&self) -> Vec<&'static str> {
-        FIGURES.to_vec()
-    }
-
-    fn limits(&self) -> Vec<Limit> {
-        vec![
-            Limit { figure: "beyond", doubtful: 25.0, bad: 100.0 },
-            Limit { figure: "median", doubtful: 10.0, bad: 30.0 },
-        ]
+    fn statistics(&self) -> Vec<Statistic> {
+        let beyond = Limits { doubtful: 25.0, bad: 100.0 };
+        size_change::statistics(beyond, Limits { doubtful: 10.0, bad: 30.0 })
     }
 
     fn by_default(&self) -> bool {
@@ -60,7 +50,7 @@ mod tests {
     use nalgebra::{Point3, Rotation3, Vector3};
 
     use super::*;
-    use crate::testing::{alone, assert_figure, scaled, with_source};
+    use crate::testing::{alone, assert_statistic, scaled, with_source};
 
     /// Some roundings of numbers of size 100.
     const ROUNDING: f64 = 1e-10;
@@ -68,12 +58,12 @@ mod tests {
     #[test]
     fn twice_as_large_and_half_as_large_are_both_stretched_by_a_hundred_percent() {
         let sphere = meshes::icosphere(2);
-        let figures = alone(&EdgeStretch {}, &sphere, &scaled(&sphere.positions, 2.0)).figures;
-        ["p99", "max", "median"].iter().for_each(|name| assert_figure(&figures, name, 100.0, ROUNDING));
-        assert!(figures.number("beyond").is_none(), "nothing is known of a source");
-        let figures = alone(&EdgeStretch {}, &sphere, &scaled(&sphere.positions, 0.5)).figures;
-        assert_figure(&figures, "p99", 100.0, ROUNDING);
-        assert_figure(&figures, "median", -50.0, ROUNDING);
+        let statistics = alone(&EdgeStretch {}, &sphere, &scaled(&sphere.positions, 2.0)).statistics;
+        ["p99", "max", "median"].iter().for_each(|name| assert_statistic(&statistics, name, 100.0, ROUNDING));
+        assert!(statistics.number("beyond").is_none(), "nothing is known of a source");
+        let statistics = alone(&EdgeStretch {}, &sphere, &scaled(&sphere.positions, 0.5)).statistics;
+        assert_statistic(&statistics, "p99", 100.0, ROUNDING);
+        assert_statistic(&statistics, "median", -50.0, ROUNDING);
     }
 
     #[test]
@@ -81,12 +71,12 @@ mod tests {
         // Unit cells of edges (1, 0), (0, 1) and (1, 1); sheared they are (1, 0), (1, 1) and (2, 1).
         let grid = meshes::grid(8, 8);
         let sheared: Vec<_> = grid.positions.iter().map(|p| Point3::new(p.x + p.y, p.y, 0.0)).collect();
-        let figures = alone(&EdgeStretch {}, &grid, &sheared).figures;
+        let statistics = alone(&EdgeStretch {}, &grid, &sheared).statistics;
         let (up, across) = (100.0 * (2f64.sqrt() - 1.0), 100.0 * (2.5f64.sqrt() - 1.0));
-        assert_figure(&figures, "p99", across, ROUNDING);
-        assert_figure(&figures, "max", across, ROUNDING);
+        assert_statistic(&statistics, "p99", across, ROUNDING);
+        assert_statistic(&statistics, "max", across, ROUNDING);
         // 72 edges of 1/8 each way, 64 of √2/8: half of the weight lies below those that grow by √2.
-        assert_figure(&figures, "median", up, ROUNDING);
+        assert_statistic(&statistics, "median", up, ROUNDING);
     }
 
     #[test]
@@ -95,22 +85,22 @@ mod tests {
         let turn = Rotation3::new(Vector3::new(1.0, -0.4, 2.0));
         let turned: Vec<_> = sphere.positions.iter().map(|p| turn * p).collect();
         let larger = scaled(&sphere.positions, 1.5);
-        assert_figure(&alone(&EdgeStretch {}, &sphere, &turned).figures, "max", 0.0, ROUNDING);
-        assert_figure(&with_source(&EdgeStretch {}, &sphere, &larger, &larger), "beyond", 0.0, 0.0);
-        let figures = with_source(&EdgeStretch {}, &sphere, &larger, &turned);
-        assert_figure(&figures, "beyond", 50.0, ROUNDING);
-        assert_figure(&figures, "source_p99", 0.0, ROUNDING);
+        assert_statistic(&alone(&EdgeStretch {}, &sphere, &turned).statistics, "max", 0.0, ROUNDING);
+        assert_statistic(&with_source(&EdgeStretch {}, &sphere, &larger, &larger), "beyond", 0.0, 0.0);
+        let statistics = with_source(&EdgeStretch {}, &sphere, &larger, &turned);
+        assert_statistic(&statistics, "beyond", 50.0, ROUNDING);
+        assert_statistic(&statistics, "source_p99", 0.0, ROUNDING);
     }
 
     #[test]
     fn edges_without_length_are_left_out_and_edges_that_vanish_have_a_finite_stretch() {
         let mut grid = meshes::grid(4, 4);
         grid.positions[6] = grid.positions[7];
-        let figures = alone(&EdgeStretch {}, &grid, &grid.positions).figures;
-        assert_figure(&figures, "left_out", 1.0, 0.0);
-        assert_figure(&figures, "max", 0.0, ROUNDING);
+        let statistics = alone(&EdgeStretch {}, &grid, &grid.positions).statistics;
+        assert_statistic(&statistics, "left_out", 1.0, 0.0);
+        assert_statistic(&statistics, "max", 0.0, ROUNDING);
         let point = vec![Point3::origin(); grid.vertex_count()];
-        assert!(alone(&EdgeStretch {}, &grid, &point).figures.number("max").unwrap() > 1e5);
+        assert!(alone(&EdgeStretch {}, &grid, &point).statistics.number("max").unwrap() > 1e5);
     }
 
     #[test]

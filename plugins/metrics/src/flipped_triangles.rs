@@ -5,28 +5,25 @@ use mimesh_core::{
     mesh::Surface,
     operators::{polar, relative_height},
     register,
-    stage::{BoundMetric, Limit, Measured, Metric, MetricContext, MetricInput},
+    stage::{BoundMetric, Measured, Metric, MetricContext, MetricInput, Statistic},
 };
 use nalgebra::{Matrix3, Point3, Vector3};
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::size;
+use crate::vertex_field;
 
 register!(Metric: FlippedTriangles);
 
-/// Triangles that are folded over against what lies around them.
+/// Triangles that are folded over against their neighbours.
 ///
-/// The rotation R of a triangle's surroundings is the one that takes the edges e and unit normals n of all triangles that share a
-/// vertex with it (itself included) from rest to the pose best: the rotation nearest to Σ e′eᵀ + 2√(A′A) n′nᵀ, A their areas. The
-/// triangle is flipped if its normal points backwards from where R takes it: n′ · R n < 0. However far a limb turns, its
-/// triangles are not flipped; and neither is a mesh that is mirrored as a whole, which `volume` sees. Figures:
-/// - `count`: flipped triangles; `share`: their area at rest, in percent of all;
-/// - `source_count`, `source_share`: the same of the source;
-/// - `beyond_share` = max(0, `share` − `source_share`);
-/// - `degenerate`: triangles that have lost their area: a height below 1e-6 of the longest edge, above 1e-4 at rest.
+/// The rotation R of a triangle's neighbourhood is the one nearest to Σ e′eᵀ + 2√(A′A) n′nᵀ. The sum runs over the edges e, unit
+/// normals n and areas A at rest, and e′, n′ and A′ in the pose. It takes all triangles that share a vertex with this one, itself
+/// included, each once for every vertex that they share. The triangle is flipped if its normal points backwards from where R takes
+/// it: n′ · R n < 0.
 ///
+/// So limbs may turn as far as they like. A mesh that is mirrored as a whole has no flipped triangles either; `volume` sees it.
 /// Triangles without a normal at rest or in the pose are not flipped. The field is 100 at vertices of flipped triangles, else 0.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema, Serialize)]
 #[serde(default, deny_unknown_fields)]
@@ -34,19 +31,25 @@ pub struct FlippedTriangles {}
 
 #[typetag::serde(name = "flipped_triangles")]
 impl Metric for FlippedTriangles {
-    fn bind<'a>(&self, subject: MetricContext<'a>) -> Result<Box<dyn BoundMetric + 'a>> {
-        let source = subject.pair.map(|pair| Rest::new(pair.source));
-        Ok(Box::new(Bound { subject, target: Rest::new(subject.surface), source }))
+    fn bind<'a>(&self, context: MetricContext<'a>) -> Result<Box<dyn BoundMetric + 'a>> {
+        let source = context.pair.map(|pair| Rest::new(pair.source));
+        Ok(Box::new(Bound { context, target: Rest::new(context.surface), source }))
     }
 
-    fn figures(&self) -> Vec<&'static str> {
-        vec!["count", "share", "beyond_share", "source_count", "source_share", "degenerate"]
-    }
-
-    fn limits(&self) -> Vec<Limit> {
+    fn statistics(&self) -> Vec<Statistic> {
         vec![
-            Limit { figure: "beyond_share", doubtful: 0.5, bad: 2.0 },
-            Limit { figure: "degenerate", doubtful: 0.0, bad: 100.0 },
+            Statistic::new("count", "count", "Flipped triangles."),
+            Statistic::new("share", "%", "Area at rest of flipped triangles, relative to the whole area."),
+            Statistic::new("beyond_share", "%", "How much `share` exceeds `source_share`; 0 if it does not.")
+                .with_limits(0.5, 2.0),
+            Statistic::new("source_count", "count", "The same as `count`, of the source."),
+            Statistic::new("source_share", "%", "The same as `share`, of the source."),
+            Statistic::new(
+                "degenerate",
+                "count",
+                "Triangles that lost their area: height below 1e-6 of the longest edge, above 1e-4 at rest.",
+            )
+            .with_limits(0.0, 100.0),
         ]
     }
 
@@ -56,37 +59,37 @@ impl Metric for FlippedTriangles {
 }
 
 struct Bound<'a> {
-    subject: MetricContext<'a>,
+    context: MetricContext<'a>,
     target: Rest<'a>,
     source: Option<Rest<'a>>,
 }
 
 impl BoundMetric for Bound<'_> {
-    fn measure(&self, pose: MetricInput<'_>) -> Result<Measured> {
-        self.subject.check(&pose)?;
-        let surface = self.subject.surface;
-        let posed = surface.from_mesh(pose.result)?;
-        let flipped = self.target.flipped(&posed);
+    fn measure(&self, input: MetricInput<'_>) -> Result<Measured> {
+        self.context.check(&input)?;
+        let surface = self.context.surface;
+        let posed = input.result.surface;
+        let flipped = self.target.flipped(posed);
         let share = self.target.share(&flipped);
-        let mut figures = Figures::default();
-        figures.set("count", count(&flipped));
-        figures.set("share", share);
-        if let Some((source, posed)) = self.source.as_ref().zip(pose.source) {
+        let mut statistics = Figures::default();
+        statistics.set("count", count(&flipped));
+        statistics.set("share", share);
+        if let Some((source, posed)) = self.source.as_ref().zip(input.source) {
             let flipped = source.flipped(posed);
             let source_share = source.share(&flipped);
-            figures.set("beyond_share", (share - source_share).max(0.0));
-            figures.set("source_count", count(&flipped));
-            figures.set("source_share", source_share);
+            statistics.set("beyond_share", (share - source_share).max(0.0));
+            statistics.set("source_count", count(&flipped));
+            statistics.set("source_share", source_share);
         }
-        figures.set("degenerate", self.target.degenerate(&posed));
+        statistics.set("degenerate", self.target.degenerate_count(posed));
         let mut values = vec![f64::NAN; surface.vertex_count()];
         for (corners, flipped) in surface.triangles.iter().zip(&flipped) {
-            size::raise(&mut values, corners, if *flipped { 100.0 } else { 0.0 });
+            vertex_field::raise(&mut values, corners, if *flipped { 100.0 } else { 0.0 });
         }
         Ok(Measured {
-            figures,
+            statistics,
             about: vec![],
-            field: size::field(surface, &values),
+            field: vertex_field::on_mesh(surface, &values),
             field_unit: "flipped",
             field_high: 100.0,
         })
@@ -96,9 +99,11 @@ impl BoundMetric for Bound<'_> {
 /// A surface at rest.
 struct Rest<'a> {
     surface: &'a Surface,
-    /// Unit normal of each triangle and twice its area; `None` without area.
+    /// Unit normal and twice the area of each triangle; `None` without area.
     normals: Vec<Option<(Vector3<f64>, f64)>>,
+    /// The triangles around each vertex.
     around: Vec<Vec<u32>>,
+    /// Twice the area of all triangles.
     area: f64,
 }
 
@@ -109,7 +114,7 @@ impl<'a> Rest<'a> {
         Self { surface, normals, around: surface.triangles_around(), area }
     }
 
-    /// Whether each triangle is.
+    /// Whether each triangle is flipped at `posed`.
     fn flipped(&self, posed: &[Point3<f64>]) -> Vec<bool> {
         let surface = self.surface;
         let now = normals(surface, posed);
@@ -131,20 +136,21 @@ impl<'a> Rest<'a> {
         (0..surface.triangle_count()).into_par_iter().with_min_len(1024).map(flipped).collect()
     }
 
-    /// The area at rest of those that are, in percent.
+    /// The area at rest of flipped triangles, in percent of all.
     fn share(&self, flipped: &[bool]) -> f64 {
         let areas = self.normals.iter().zip(flipped).filter(|(_, flipped)| **flipped);
         let sum = areas.filter_map(|(normal, _)| normal.map(|(_, area)| area)).fold(0.0, |sum, area| sum + area);
         if self.area > 0.0 { 100.0 * sum / self.area } else { 0.0 }
     }
 
-    fn degenerate(&self, posed: &[Point3<f64>]) -> usize {
+    /// The number of triangles that have an area at rest and none at `posed`.
+    fn degenerate_count(&self, posed: &[Point3<f64>]) -> usize {
         let surface = self.surface;
-        let lost = |&t: &usize| {
+        let is_degenerate = |&t: &usize| {
             relative_height(&surface.corners(posed, t)) < 1e-6
                 && relative_height(&surface.corners(&surface.positions, t)) > 1e-4
         };
-        (0..surface.triangle_count()).filter(lost).count()
+        (0..surface.triangle_count()).filter(is_degenerate).count()
     }
 }
 
@@ -152,6 +158,7 @@ fn count(flipped: &[bool]) -> usize {
     flipped.iter().filter(|flipped| **flipped).count()
 }
 
+/// Unit normal and twice the area of each triangle at `positions`; `None` without a finite area.
 fn normals(surface: &Surface, positions: &[Point3<f64>]) -> Vec<Option<(Vector3<f64>, f64)>> {
     let normal = |n: &Vector3<f64>| {
         let area = n.norm();
@@ -166,7 +173,7 @@ mod tests {
     use nalgebra::{Rotation3, Vector3};
 
     use super::*;
-    use crate::testing::{alone, assert_figure, with_source};
+    use crate::testing::{alone, assert_statistic, with_source};
 
     #[test]
     fn a_vertex_pushed_over_its_ring_flips_the_triangles_that_it_turns_over() {
@@ -181,9 +188,9 @@ mod tests {
         let expected = turned.count();
         assert!(expected >= 2);
         let measured = alone(&FlippedTriangles {}, &grid, &posed);
-        assert_figure(&measured.figures, "count", expected as f64, 0.0);
+        assert_statistic(&measured.statistics, "count", expected as f64, 0.0);
         // All triangles are alike.
-        assert_figure(&measured.figures, "share", 100.0 * expected as f64 / 128.0, 1e-12);
+        assert_statistic(&measured.statistics, "share", 100.0 * expected as f64 / 128.0, 1e-12);
         assert_eq!((measured.field[40], measured.field[0]), (100.0, 0.0));
     }
 
@@ -192,7 +199,7 @@ mod tests {
         let grid = meshes::grid(12, 12);
         let bent = |p: &Point3<f64>| Point3::new((3.0 * p.x).sin() / 3.0, p.y, (1.0 - (3.0 * p.x).cos()) / 3.0);
         let mut posed: Vec<_> = grid.positions.iter().map(bent).collect();
-        assert_figure(&alone(&FlippedTriangles {}, &grid, &posed).figures, "count", 0.0, 0.0);
+        assert_statistic(&alone(&FlippedTriangles {}, &grid, &posed).statistics, "count", 0.0, 0.0);
         // The corner triangle whose corner is folded inwards over its opposite edge.
         let uses = grid.triangles.iter().flatten().fold(vec![0; grid.vertex_count()], |mut n, &v| {
             n[v as usize] += 1;
@@ -204,7 +211,7 @@ mod tests {
             grid.triangles[t].iter().filter(|&&v| v != lone as u32).map(|&v| posed[v as usize]).collect();
         let middle = nalgebra::center(&others[0], &others[1]);
         posed[lone] = middle + (middle - posed[lone]);
-        assert_figure(&alone(&FlippedTriangles {}, &grid, &posed).figures, "count", 1.0, 0.0);
+        assert_statistic(&alone(&FlippedTriangles {}, &grid, &posed).statistics, "count", 1.0, 0.0);
     }
 
     #[test]
@@ -212,7 +219,7 @@ mod tests {
         let sphere = meshes::icosphere(3);
         let turn = Rotation3::new(Vector3::new(0.0, 3.0, 0.3));
         let turned: Vec<_> = sphere.positions.iter().map(|p| turn * p).collect();
-        assert_figure(&alone(&FlippedTriangles {}, &sphere, &turned).figures, "count", 0.0, 0.0);
+        assert_statistic(&alone(&FlippedTriangles {}, &sphere, &turned).statistics, "count", 0.0, 0.0);
         // A sheet rolled up twice.
         let grid = meshes::grid(60, 4);
         let angle = |x: f64| 4.0 * std::f64::consts::PI * x;
@@ -221,7 +228,7 @@ mod tests {
             Point3::new(radius * angle(p.x).sin(), p.y, -radius * angle(p.x).cos())
         };
         let rolled: Vec<_> = grid.positions.iter().map(rolled).collect();
-        assert_figure(&alone(&FlippedTriangles {}, &grid, &rolled).figures, "count", 0.0, 0.0);
+        assert_statistic(&alone(&FlippedTriangles {}, &grid, &rolled).statistics, "count", 0.0, 0.0);
     }
 
     #[test]
@@ -229,12 +236,12 @@ mod tests {
         let grid = meshes::grid(8, 8);
         let mut posed = grid.positions.clone();
         posed[40] = posed[41];
-        let figures = with_source(&FlippedTriangles {}, &grid, &posed, &grid.positions);
+        let statistics = with_source(&FlippedTriangles {}, &grid, &posed, &grid.positions);
         // The two triangles at the edge that has lost its length.
-        assert_figure(&figures, "degenerate", 2.0, 0.0);
+        assert_statistic(&statistics, "degenerate", 2.0, 0.0);
         posed[40].x += 2.0 / 8.0;
-        let figures = with_source(&FlippedTriangles {}, &grid, &posed, &posed);
-        assert!(figures.number("count").unwrap() > 0.0);
-        assert_figure(&figures, "beyond_share", 0.0, 0.0);
+        let statistics = with_source(&FlippedTriangles {}, &grid, &posed, &posed);
+        assert!(statistics.number("count").unwrap() > 0.0);
+        assert_statistic(&statistics, "beyond_share", 0.0, 0.0);
     }
 }

@@ -1,48 +1,54 @@
-//! How much a motion trembles.
+//! Trembling of a motion.
 
 use mimesh_core::{
     Figures, Result, register,
-    stage::{BoundMetric, Limit, Measured, Metric, MetricContext, MetricInput},
+    stage::{Aggregate, BoundMetric, Measured, Metric, MetricContext, MetricInput, Statistic},
 };
 use nalgebra::Point3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::{size, spread::Spread};
+use crate::{diagonal, distribution::Distribution, vertex_field};
 
 register!(Metric: Jitter);
 
-/// How much a motion trembles, beyond the source's.
+/// Trembling of a motion, beyond that of the source.
 ///
-/// For each vertex of the welded surface the size of the second difference ‖xᵢ − 2 xᵢ₋₁ + xᵢ₋₂‖ over this frame and the two before,
-/// in percent of the diagonal: 0 for a constant velocity, 4a for a trembling by ±a. Figures:
-/// - `rms` and `p99` over the vertices; `source_rms`: the same of the source, in percent of its own diagonal;
-/// - `beyond` = max(0, `rms` − `source_rms`);
-/// - `ratio` = (`rms` + 0.05) / (`source_rms` + 0.05): where neither does more than 0.05 %, a millimetre on a person, it is about 1.
+/// Each vertex of the surface has a second difference ‖xᵢ − 2 xᵢ₋₁ + xᵢ₋₂‖ over this frame and the two before, in percent of the
+/// diagonal. It is 0 at a constant velocity, and 4a for a trembling by ±a.
 ///
-/// Poses in their order are taken for frames; where they are unrelated the source jumps as the target does, and `ratio` is about 1.
-/// There are no figures for the first two frames, nor after a pose that failed.
+/// Poses in their order count as frames. If they are unrelated, the source jumps as much as the target, and `ratio` is about 1.
+/// There are no statistics for the first two frames, nor for the two after a pose that failed. The field is the second difference.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema, Serialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Jitter {}
 
-/// What hardly anybody sees, in percent of the diagonal.
-const FLOOR: f64 = 0.05;
+/// A second difference that hardly anybody sees, in percent of the diagonal.
+const NOISE_FLOOR: f64 = 0.05;
 
 #[typetag::serde(name = "jitter")]
 impl Metric for Jitter {
-    fn bind<'a>(&self, subject: MetricContext<'a>) -> Result<Box<dyn BoundMetric + 'a>> {
-        let diagonal = size::of_rest(subject.rest)?;
-        let source_diagonal = subject.pair.map(|pair| size::of_source(pair.source)).transpose()?;
-        Ok(Box::new(Bound { subject, diagonal, source_diagonal }))
+    fn bind<'a>(&self, context: MetricContext<'a>) -> Result<Box<dyn BoundMetric + 'a>> {
+        let diagonal = diagonal::of_target(context.rest)?;
+        let source_diagonal = context.pair.map(|pair| diagonal::of_source(pair.source)).transpose()?;
+        Ok(Box::new(Bound { context, diagonal, source_diagonal }))
     }
 
-    fn figures(&self) -> Vec<&'static str> {
-        vec!["ratio", "rms", "p99", "source_rms", "beyond"]
-    }
-
-    fn limits(&self) -> Vec<Limit> {
-        vec![Limit { figure: "ratio", doubtful: 2.0, bad: 5.0 }]
+    fn statistics(&self) -> Vec<Statistic> {
+        vec![
+            Statistic::new(
+                "ratio",
+                "ratio",
+                "(`rms` + 0.05) / (`source_rms` + 0.05), about 1 if neither moves by more than 0.05 %.",
+            )
+            .with_limits(2.0, 5.0),
+            Statistic::new("rms", "%", "Root mean square of the second difference over vertices.")
+                .with_aggregate(Aggregate::RootMeanSquare),
+            Statistic::new("p99", "%", "99th percentile of the second difference over vertices."),
+            Statistic::new("source_rms", "%", "The same as `rms`, of the source, relative to its own diagonal.")
+                .with_aggregate(Aggregate::RootMeanSquare),
+            Statistic::new("beyond", "%", "How much `rms` exceeds `source_rms`; 0 if it does not."),
+        ]
     }
 
     fn by_default(&self) -> bool {
@@ -51,41 +57,41 @@ impl Metric for Jitter {
 }
 
 struct Bound<'a> {
-    subject: MetricContext<'a>,
+    context: MetricContext<'a>,
     diagonal: f64,
     source_diagonal: Option<f64>,
 }
 
 impl BoundMetric for Bound<'_> {
-    fn measure(&self, pose: MetricInput<'_>) -> Result<Measured> {
-        self.subject.check(&pose)?;
-        let [Some(one), Some(two)] = pose.before else { return Ok(Measured::default()) };
-        let surface = self.subject.surface;
-        let frames = [pose.result, one.result, two.result].map(|frame| surface.from_mesh(frame));
-        let [now, one_before, two_before] = frames;
-        let values = second_differences([&now?, &one_before?, &two_before?], self.diagonal);
-        let Some(spread) = Spread::even(values.iter().copied()) else { return Ok(Measured::default()) };
-        let source = match (self.source_diagonal, pose.source, one.source, two.source) {
+    fn measure(&self, input: MetricInput<'_>) -> Result<Measured> {
+        self.context.check(&input)?;
+        let [Some(one), Some(two)] = input.before else { return Ok(Measured::default()) };
+        let surface = self.context.surface;
+        let frames = [input.result, one.result, two.result].map(|posed| posed.surface);
+        let values = second_differences(frames, self.diagonal);
+        let Some(target) = Distribution::unweighted(values.iter().copied()) else { return Ok(Measured::default()) };
+        let source = match (self.source_diagonal, input.source, one.source, two.source) {
             (Some(diagonal), Some(now), Some(one), Some(two)) => {
-                Spread::even(second_differences([now, one, two], diagonal))
+                Distribution::unweighted(second_differences([now, one, two], diagonal))
             }
             _ => None,
         };
-        let rms = spread.rms();
-        let mut figures = Figures::default();
-        figures.set("rms", rms);
-        figures.set("p99", spread.percentile(0.99));
+        let rms = target.rms();
+        let mut statistics = Figures::default();
+        statistics.set("rms", rms);
+        statistics.set("p99", target.percentile(0.99));
         if let Some(source) = &source {
-            figures.set("source_rms", source.rms());
-            figures.set("beyond", (rms - source.rms()).max(0.0));
-            figures.set("ratio", (rms + FLOOR) / (source.rms() + FLOOR));
+            statistics.set("source_rms", source.rms());
+            statistics.set("beyond", (rms - source.rms()).max(0.0));
+            statistics.set("ratio", (rms + NOISE_FLOOR) / (source.rms() + NOISE_FLOOR));
         }
-        let field = size::field(surface, &values);
+        let field = vertex_field::on_mesh(surface, &values);
         let field = field.iter().map(|value| if value.is_finite() { *value } else { f64::NAN }).collect();
-        Ok(Measured { figures, about: vec![], field, field_unit: "jitter, %", field_high: 5.0 })
+        Ok(Measured { statistics, about: vec![], field, field_unit: "jitter, %", field_high: 5.0 })
     }
 }
 
+/// ‖x − 2 y + z‖ of each vertex over three frames, in percent of `diagonal`.
 fn second_differences([now, one, two]: [&[Point3<f64>]; 3], diagonal: f64) -> Vec<f64> {
     let second =
         |((x, y), z): ((&Point3<f64>, &Point3<f64>), &Point3<f64>)| 100.0 * ((x - y) - (y - z)).norm() / diagonal;
@@ -96,46 +102,47 @@ fn second_differences([now, one, two]: [&[Point3<f64>]; 3], diagonal: f64) -> Ve
 mod tests {
     use mimesh_core::{
         mesh::Mesh,
-        stage::{Frame, TransferPair},
+        stage::{Frame, Posed, TransferPair},
         testkit::meshes,
     };
     use nalgebra::Vector3;
 
     use super::*;
-    use crate::testing::{alone, assert_figure, frames, moved};
+    use crate::testing::{alone, assert_statistic, frames, moved};
 
     #[test]
     fn a_constant_velocity_has_no_jitter_and_trembling_by_a_has_four_a() {
         let sphere = meshes::icosphere(1);
         let mesh = Mesh::from_triangles(sphere.positions.clone(), &sphere.triangles);
         let pair = TransferPair { source: &sphere, target: &sphere, markers: &[], proximity: None };
-        let subject = MetricContext { pair: Some(pair), ..MetricContext::alone(&mesh, &sphere) };
+        let context = MetricContext { pair: Some(pair), ..MetricContext::alone(&mesh, &sphere) };
         let step = Vector3::new(0.3, 0.1, 0.0);
         let steady = [2.0, 1.0, 0.0].map(|k| moved(&sphere.positions, step * k));
         let steady = [&steady[0][..], &steady[1], &steady[2]];
-        let figures = frames(subject, &Jitter {}, steady, steady);
-        assert_figure(&figures, "rms", 0.0, 1e-12);
+        let statistics = frames(context, &Jitter {}, steady, steady);
+        assert_statistic(&statistics, "rms", 0.0, 1e-12);
         // Nothing over nothing.
-        assert_figure(&figures, "ratio", 1.0, 1e-12);
+        assert_statistic(&statistics, "ratio", 1.0, 1e-12);
 
         let a = 0.01 * sphere.diagonal();
         let trembling = [1.0, -1.0, 1.0].map(|sign| moved(&sphere.positions, Vector3::x() * a * sign));
         let trembling = [&trembling[0][..], &trembling[1], &trembling[2]];
-        let figures = frames(subject, &Jitter {}, trembling, steady);
+        let statistics = frames(context, &Jitter {}, trembling, steady);
         for name in ["rms", "p99", "beyond"] {
-            assert_figure(&figures, name, 4.0, 1e-11);
+            assert_statistic(&statistics, name, 4.0, 1e-11);
         }
-        assert_figure(&figures, "ratio", 4.05 / 0.05, 1e-9);
+        assert_statistic(&statistics, "ratio", 4.05 / 0.05, 1e-9);
     }
 
     #[test]
     fn there_is_nothing_to_say_of_a_pose_with_fewer_than_two_before_it() {
         let sphere = meshes::icosphere(1);
-        assert!(alone(&Jitter {}, &sphere, &sphere.positions).figures.values.is_empty());
+        assert!(alone(&Jitter {}, &sphere, &sphere.positions).statistics.values.is_empty());
         let mesh = Mesh::from_triangles(sphere.positions.clone(), &sphere.triangles);
-        let before = Some(Frame { result: &sphere.positions, source: None });
-        let judged = MetricInput { before: [before, None], ..MetricInput::alone(&sphere.positions) };
+        let rest = Posed::without_seams(&sphere.positions);
+        let before = Some(Frame { result: rest, source: None });
+        let input = MetricInput { before: [before, None], ..MetricInput::alone(rest) };
         let bound = Jitter {}.bind(MetricContext::alone(&mesh, &sphere)).unwrap();
-        assert!(bound.measure(judged).unwrap().figures.values.is_empty());
+        assert!(bound.measure(input).unwrap().statistics.values.is_empty());
     }
 }

@@ -1,57 +1,53 @@
-//! Whether neighbours on the target take their motion from neighbours on the source.
+//! Neighbours on the target that take their motion from distant places of the source.
 
 use mimesh_core::{
     Figures, Result,
     mesh::Surface,
     register,
-    stage::{BoundMetric, Limit, Measured, Metric, MetricContext, MetricInput, TransferPair, TriangleMap},
+    stage::{BoundMetric, Measured, Metric, MetricContext, MetricInput, Statistic, TransferPair, TriangleMap},
 };
 use nalgebra::Point3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::{elements, size, spread::Spread};
+use crate::{diagonal, distribution::Distribution, elements, vertex_field};
 
 register!(Metric: MapTears);
 
-/// Whether neighbours on the target take their motion from neighbours on the source, at rest.
+/// Neighbours on the target that take their motion from distant places of the source, at rest.
 ///
-/// Neighbours are, where the map knows a point of the source for vertices, the ends of edges with such points, else triangles with
-/// partners that share an edge, at their barycentres. With d their distance, D and D′ the diagonals of target and source, they
-/// should be e = d D′ / D apart on the source, and are e′. The gap is max(0, e′ − e − h), in percent of D′, h the mean length of the
-/// source's edges, since a coarse source can do no better. Neighbours count by d. Figures:
-/// - `share`: neighbours with a gap of more than 5 %, in percent;
-/// - `orphans`: triangles without a partner, in percent;
-/// - `p99`, `max` of the gaps; `stretch_p99` of e′ / (e + h).
+/// If the map knows points of the source for vertices, neighbours are the ends of edges that both have such a point. Otherwise they
+/// are triangles that share an edge and both have a partner, at their barycentres. Two neighbours are d apart on the target, and
+/// their places are e′ apart on the source. With the diagonals D of the target and D′ of the source they should be e = d D′ / D
+/// apart.
 ///
-/// Distances are straight, not along the surface. There are no figures without a map. They are the same for every pose. The field is
-/// the largest gap at a vertex.
+/// The gap is max(0, e′ − e − h) in percent of D′. Here h is the mean length of the source's edges, since a coarse source can do no
+/// better. Neighbours count by d. Distances are straight, not along the surface. All poses have the same statistics; without a map
+/// there are none. The field is the largest gap at a vertex.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema, Serialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct MapTears {}
 
-/// From where on a gap is a tear, in percent of the source's diagonal.
-const TEAR: f64 = 5.0;
+/// The smallest gap that is a tear, in percent of the source's diagonal.
+const MIN_TEAR: f64 = 5.0;
 
 #[typetag::serde(name = "map_tears")]
 impl Metric for MapTears {
-    fn bind<'a>(&self, subject: MetricContext<'a>) -> Result<Box<dyn BoundMetric + 'a>> {
-        let measured = match (subject.pair, subject.map) {
-            (Some(pair), Some(map)) => tears(subject, pair, map)?,
+    fn bind<'a>(&self, context: MetricContext<'a>) -> Result<Box<dyn BoundMetric + 'a>> {
+        let measured = match (context.pair, context.map) {
+            (Some(pair), Some(map)) => tears(context, pair, map)?,
             _ => Measured::default(),
         };
-        Ok(Box::new(Bound { subject, measured }))
+        Ok(Box::new(Bound { context, measured }))
     }
 
-    fn figures(&self) -> Vec<&'static str> {
-        vec!["share", "orphans", "p99", "max", "stretch_p99"]
-    }
-
-    fn limits(&self) -> Vec<Limit> {
+    fn statistics(&self) -> Vec<Statistic> {
         vec![
-            Limit { figure: "share", doubtful: 0.05, bad: 0.5 },
-            Limit { figure: "orphans", doubtful: 25.0, bad: 75.0 },
-            Limit { figure: "stretch_p99", doubtful: 1.4, bad: 2.5 },
+            Statistic::new("share", "%", "Share of neighbours with a gap above 5 %.").with_limits(0.05, 0.5),
+            Statistic::new("orphans", "%", "Share of triangles without a partner.").with_limits(25.0, 75.0),
+            Statistic::new("p99", "%", "99th percentile of the gap."),
+            Statistic::new("max", "%", "Largest gap."),
+            Statistic::new("stretch_p99", "ratio", "99th percentile of e′ / (e + h).").with_limits(1.4, 2.5),
         ]
     }
 
@@ -61,72 +57,77 @@ impl Metric for MapTears {
 }
 
 struct Bound<'a> {
-    subject: MetricContext<'a>,
+    context: MetricContext<'a>,
     measured: Measured,
 }
 
 impl BoundMetric for Bound<'_> {
-    fn measure(&self, pose: MetricInput<'_>) -> Result<Measured> {
-        self.subject.check(&pose)?;
+    fn measure(&self, input: MetricInput<'_>) -> Result<Measured> {
+        self.context.check(&input)?;
         Ok(self.measured.clone())
     }
 }
 
-/// Two neighbours: distances on target and source, and the vertices that they have a say about.
+/// Two neighbours: their distances on target and source, and the vertices of the target that they belong to.
 struct Neighbours {
     target: f64,
     source: f64,
     vertices: Vec<u32>,
 }
 
-fn tears(subject: MetricContext<'_>, pair: TransferPair<'_>, map: &TriangleMap) -> Result<Measured> {
+/// The statistics and the field of a map at rest.
+///
+/// # Errors
+///
+/// [`Error::Data`](mimesh_core::Error::Data) for a map that does not fit the pair, or meshes without a diagonal.
+fn tears(context: MetricContext<'_>, pair: TransferPair<'_>, map: &TriangleMap) -> Result<Measured> {
     map.check(pair)?;
-    let (diagonal, source_diagonal) = (size::of_rest(subject.rest)?, size::of_source(pair.source)?);
-    let neighbours = if map.points.iter().any(Option::is_some) { ends(pair, map) } else { triangles(pair, map) };
-    let grain = mean_edge(pair.source);
-    let expected = |n: &Neighbours| n.target * source_diagonal / diagonal + grain;
+    let (diagonal, source_diagonal) = (diagonal::of_target(context.rest)?, diagonal::of_source(pair.source)?);
+    let neighbours = if map.points.iter().any(Option::is_some) { edge_ends(pair, map) } else { triangles(pair, map) };
+    let source_edge = mean_edge(pair.source);
+    let expected = |n: &Neighbours| n.target * source_diagonal / diagonal + source_edge;
     let gap = |n: &Neighbours| 100.0 * (n.source - expected(n)).max(0.0) / source_diagonal;
-    let Some(gaps) = Spread::new(neighbours.iter().map(|n| (gap(n), n.target))) else {
+    let Some(gaps) = Distribution::weighted(neighbours.iter().map(|n| (gap(n), n.target))) else {
         return Ok(Measured::default());
     };
     let total: f64 = neighbours.iter().map(|n| n.target).sum();
-    let torn: f64 = neighbours.iter().filter(|n| gap(n) > TEAR).fold(0.0, |sum, n| sum + n.target);
-    let stretch = Spread::new(neighbours.iter().map(|n| (n.source / expected(n), n.target)));
-    let mut figures = Figures::default();
-    figures.set("share", 100.0 * torn / total);
-    figures.set("orphans", 100.0 * map.orphan_count() as f64 / map.partners.len().max(1) as f64);
-    figures.set("p99", gaps.percentile(0.99));
-    figures.set("max", gaps.max());
-    figures.set("stretch_p99", stretch.map_or(0.0, |stretch| stretch.percentile(0.99)));
-    let mut values = vec![f64::NAN; subject.surface.vertex_count()];
-    neighbours.iter().for_each(|n| size::raise(&mut values, &n.vertices, gap(n)));
-    let field = size::field(subject.surface, &values);
-    Ok(Measured { figures, about: vec![], field, field_unit: "map gap, %", field_high: 10.0 })
+    let torn: f64 = neighbours.iter().filter(|n| gap(n) > MIN_TEAR).fold(0.0, |sum, n| sum + n.target);
+    let stretch = Distribution::weighted(neighbours.iter().map(|n| (n.source / expected(n), n.target)));
+    let mut statistics = Figures::default();
+    statistics.set("share", 100.0 * torn / total);
+    statistics.set("orphans", 100.0 * map.orphan_count() as f64 / map.triangles.len().max(1) as f64);
+    statistics.set("p99", gaps.percentile(0.99));
+    statistics.set("max", gaps.max());
+    statistics.set("stretch_p99", stretch.map_or(0.0, |stretch| stretch.percentile(0.99)));
+    let mut values = vec![f64::NAN; context.surface.vertex_count()];
+    neighbours.iter().for_each(|n| vertex_field::raise(&mut values, &n.vertices, gap(n)));
+    let field = vertex_field::on_mesh(context.surface, &values);
+    Ok(Measured { statistics, about: vec![], field, field_unit: "map gap, %", field_high: 10.0 })
 }
 
-/// Ends of edges that lie at points of the source.
-fn ends(pair: TransferPair<'_>, map: &TriangleMap) -> Vec<Neighbours> {
-    let at = |point: &Option<_>| -> Option<Point3<f64>> {
+/// The ends of edges of the target that both have a point on the source.
+fn edge_ends(pair: TransferPair<'_>, map: &TriangleMap) -> Vec<Neighbours> {
+    let position = |point: &Option<_>| -> Option<Point3<f64>> {
         point.map(|p: mimesh_core::mesh::SurfacePoint| p.position(pair.source, &pair.source.positions))
     };
-    let places: Vec<Option<Point3<f64>>> = map.points.iter().map(at).collect();
+    let points: Vec<Option<Point3<f64>>> = map.points.iter().map(position).collect();
     let rest = &pair.target.positions;
     let neighbours = |[a, b]: [u32; 2]| {
-        let (p, q) = (places[a as usize]?, places[b as usize]?);
+        let (p, q) = (points[a as usize]?, points[b as usize]?);
         Some(Neighbours {
             target: (rest[b as usize] - rest[a as usize]).norm(),
             source: (q - p).norm(),
             vertices: vec![a, b],
         })
     };
-    elements::ends(pair.target).into_iter().filter_map(neighbours).collect()
+    elements::edge_vertices(pair.target).into_iter().filter_map(neighbours).collect()
 }
 
-/// Adjacent triangles with partners.
+/// Adjacent triangles of the target that both have a partner.
 fn triangles(pair: TransferPair<'_>, map: &TriangleMap) -> Vec<Neighbours> {
     let [target, source] = [pair.target, pair.source].map(|surface| surface.barycentres(&surface.positions));
     let neighbours = |[a, b]: [u32; 2]| {
-        let (p, q) = (map.partners[a as usize]?, map.partners[b as usize]?);
+        let (p, q) = (map.triangles[a as usize]?, map.triangles[b as usize]?);
         Some(Neighbours {
             target: (target[b as usize] - target[a as usize]).norm(),
             source: (source[q as usize] - source[p as usize]).norm(),
@@ -136,6 +137,7 @@ fn triangles(pair: TransferPair<'_>, map: &TriangleMap) -> Vec<Neighbours> {
     pair.target.topology().adjacent.into_iter().filter_map(neighbours).collect()
 }
 
+/// The mean length of the edges of a surface at rest.
 fn mean_edge(surface: &Surface) -> f64 {
     let edges = elements::edges(surface);
     edges.rest.iter().sum::<f64>() / edges.rest.len().max(1) as f64
@@ -149,13 +151,13 @@ mod tests {
     };
 
     use super::*;
-    use crate::testing::assert_figure;
+    use crate::testing::assert_statistic;
 
     fn measure(surface: &Surface, map: &TriangleMap) -> Measured {
         let mesh = Mesh::from_triangles(surface.positions.clone(), &surface.triangles);
         let pair = TransferPair { source: surface, target: surface, markers: &[], proximity: None };
-        let subject = MetricContext { pair: Some(pair), map: Some(map), ..MetricContext::alone(&mesh, surface) };
-        MapTears {}.bind(subject).unwrap().measure(MetricInput::alone(&surface.positions)).unwrap()
+        let context = MetricContext { pair: Some(pair), map: Some(map), ..MetricContext::alone(&mesh, surface) };
+        MapTears {}.bind(context).unwrap().measure(MetricInput::alone(context.at_rest())).unwrap()
     }
 
     #[test]
@@ -163,17 +165,17 @@ mod tests {
         let grid = meshes::grid(16, 16);
         let count = grid.triangle_count() as u32;
         let mut map = TriangleMap {
-            source_triangles: count as usize,
-            partners: (0..count).map(Some).collect(),
+            source_triangle_count: count as usize,
+            triangles: (0..count).map(Some).collect(),
             ..TriangleMap::default()
         };
-        assert_figure(&measure(&grid, &map).figures, "max", 0.0, 0.0);
+        assert_statistic(&measure(&grid, &map).statistics, "max", 0.0, 0.0);
         // Two triangles at opposite corners.
-        map.partners.swap(0, count as usize - 1);
+        map.triangles.swap(0, count as usize - 1);
         let measured = measure(&grid, &map);
         // A diagonal less a cell, a sixteenth, and the mean edge, about a twentieth.
-        assert_figure(&measured.figures, "max", 89.0, 5.0);
-        assert!(measured.figures.number("share").unwrap() > 0.0);
+        assert_statistic(&measured.statistics, "max", 89.0, 5.0);
+        assert!(measured.statistics.number("share").unwrap() > 0.0);
         assert_eq!(measured.field[8 * 17 + 8], 0.0, "the middle is whole");
         assert!(measured.field[0] > 80.0);
     }
@@ -182,13 +184,14 @@ mod tests {
     fn points_of_vertices_go_before_partners_and_orphans_have_no_neighbours() {
         let grid = meshes::grid(16, 16);
         let count = grid.triangle_count();
-        let mut map = TriangleMap { source_triangles: count, partners: vec![None; count], ..TriangleMap::default() };
-        map.partners[0] = Some(0);
-        assert!(measure(&grid, &map).figures.values.is_empty());
+        let mut map =
+            TriangleMap { source_triangle_count: count, triangles: vec![None; count], ..TriangleMap::default() };
+        map.triangles[0] = Some(0);
+        assert!(measure(&grid, &map).statistics.values.is_empty());
         map.points = (0..grid.vertex_count() as u32).map(|v| Some(SurfacePoint::Vertex(v))).collect();
-        assert_figure(&measure(&grid, &map).figures, "max", 0.0, 0.0);
+        assert_statistic(&measure(&grid, &map).statistics, "max", 0.0, 0.0);
         map.points[8 * 17 + 8] = Some(SurfacePoint::Vertex(0));
         // Half a diagonal, less the edge and the mean edge.
-        assert_figure(&measure(&grid, &map).figures, "max", 45.0, 5.0);
+        assert_statistic(&measure(&grid, &map).statistics, "max", 45.0, 5.0);
     }
 }

@@ -2,69 +2,78 @@
 
 use mimesh_core::{
     Figures, Result, register,
-    stage::{BoundMetric, Limit, Measured, Metric, MetricContext, MetricInput, TransferPair},
+    stage::{BoundMetric, Measured, Metric, MetricContext, MetricInput, Statistic, TransferPair},
 };
 use nalgebra::{DMatrix, Matrix3, Point3, Vector3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    size,
-    spread::{Spread, first_largest},
+    diagonal,
+    distribution::{Distribution, first_largest},
 };
 
 register!(Metric: MarkerFit);
 
-/// Markers in a wrong place, and left and right swapped, at rest: whether the markers fit each other.
+/// Markers in a wrong place, and left and right swapped, at rest.
 ///
-/// **A marker against the others.** The smoothest map from source to target through all markers but one (biharmonic:
-/// p ↦ Σ wⱼ ‖p − sⱼ‖ + A p + t) says where that one should lie. Its residual r is how far it lies from there, and its score
-/// r √m, m its diagonal value in the inverse of the system of all markers: a marker far from all others may miss by
-/// more than one among many (Rippa 1999). Figures:
-/// - `residual_p50`, `residual_max`: of r in percent of the target's diagonal;
-/// - `outlier`: the largest score over the median, both plus 0.1 % of the diagonal: 1 where all fit alike. Where the residual
-///   of that marker is less than 15 % of the diagonal it counts in proportion: what stands out by little is a hump, no mistake;
-/// - `worst`: the number of the marker with the largest score in the list, from 0.
+/// **A marker against the others.** The smoothest map from source to target through all markers but one says where that one should
+/// lie. The map is biharmonic: p ↦ Σ wⱼ ‖p − sⱼ‖ + A p + t. The residual r of the marker is its distance from there. Its score is r
+/// √m with m its diagonal value in the inverse of the system of all markers: a marker far from all others may miss by more (Rippa
+/// 1999).
 ///
-/// **Left and right.** Both sides are freed of place, size and proportions: s̃ = Cₛ^(−1/2) (s − s̄), C the covariance. With
-/// σ₁ ≥ σ₂ ≥ |σ₃| the singular values of the mean of t̃ s̃ᵀ, σ₃ with the sign of its determinant, the best rotation leaves
-/// r₊ = 6 − 2 (σ₁ + σ₂ + σ₃), the best reflection r₋ = 6 − 2 (σ₁ + σ₂ − σ₃). Figures:
-/// - `mirror_gain` = √((r₊ + 0.01) / (r₋ + 0.01)): above 1 a reflection fits better than a rotation;
-/// - `mirrored`: 1 if that is above 1.2, else 0.
+/// **Left and right.** Both sides are freed of place, size and proportions: s̃ = Cₛ^(−1/2) (s − s̄) with the covariance C. The mean
+/// of t̃ s̃ᵀ has singular values σ₁ ≥ σ₂ ≥ |σ₃|, where σ₃ has the sign of its determinant. The best rotation leaves r₊ = 6 − 2 (σ₁
+/// + σ₂ + σ₃), and the best reflection leaves r₋ = 6 − 2 (σ₁ + σ₂ − σ₃).
 ///
-/// With fewer than eight markers, or markers nearly in a plane (spread across less than 1/50 of that along), the figures that cannot
-/// be had are left out. They are the same for every pose.
+/// The outlier is the largest score over the median score, both plus 0.1 % of the diagonal. If that marker's residual is below 15 %
+/// of the diagonal, it counts in proportion: a marker that stands out by little is a hump of the body.
+///
+/// Fewer than eight markers have no statistics. Markers nearly in a plane, spread across it by less than 1/50 of their spread along
+/// it, lack those that need three dimensions. Of more than 600 markers every n-th is used. All poses have the same statistics.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema, Serialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct MarkerFit {}
 
-/// Fewer markers do not fit or misfit.
-const FEWEST: usize = 8;
-/// More are thinned, since the work grows with the third power.
-const MOST: usize = 600;
-/// Spread across, relative to that along, below which points lie in a plane.
-const FLAT: f64 = 0.02;
+/// The smallest number of markers that can fit each other.
+const MIN_MARKERS: usize = 8;
+/// The largest number of markers that are used, since the work grows with the third power.
+const MAX_MARKERS: usize = 600;
+/// The smallest spread across points, relative to that along them; flatter ones lie in a plane.
+const MIN_THICKNESS: f64 = 0.02;
+/// The residual from which an outlier counts in full, in percent of the diagonal.
+const FULL_RESIDUAL: f64 = 15.0;
 
 #[typetag::serde(name = "marker_fit")]
 impl Metric for MarkerFit {
-    fn bind<'a>(&self, subject: MetricContext<'a>) -> Result<Box<dyn BoundMetric + 'a>> {
-        let mut figures = Figures::default();
-        if let Some(pair) = subject.pair.filter(|pair| pair.markers.len() >= FEWEST) {
+    fn bind<'a>(&self, context: MetricContext<'a>) -> Result<Box<dyn BoundMetric + 'a>> {
+        let mut statistics = Figures::default();
+        if let Some(pair) = context.pair.filter(|pair| pair.markers.len() >= MIN_MARKERS) {
             pair.check_markers()?;
-            let diagonal = size::of_rest(subject.rest)?;
-            fit(pair, diagonal, &mut figures);
+            let diagonal = diagonal::of_target(context.rest)?;
+            fit(pair, diagonal, &mut statistics);
         }
-        Ok(Box::new(Bound { subject, figures }))
+        Ok(Box::new(Bound { context, statistics }))
     }
 
-    fn figures(&self) -> Vec<&'static str> {
-        vec!["mirrored", "mirror_gain", "outlier", "residual_p50", "residual_max", "worst"]
-    }
-
-    fn limits(&self) -> Vec<Limit> {
+    fn statistics(&self) -> Vec<Statistic> {
         vec![
-            Limit { figure: "mirrored", doubtful: 0.0, bad: 0.0 },
-            Limit { figure: "outlier", doubtful: 7.0, bad: 12.0 },
+            Statistic::new("mirrored", "0 or 1", "1 if `mirror_gain` is above 1.2: left and right are swapped.")
+                .with_limits(0.0, 0.0),
+            Statistic::new(
+                "mirror_gain",
+                "ratio",
+                "√((r₊ + 0.01) / (r₋ + 0.01)): above 1 a reflection fits better than a rotation.",
+            ),
+            Statistic::new(
+                "outlier",
+                "ratio",
+                "Largest score relative to the median score; 1 if all markers fit alike.",
+            )
+            .with_limits(7.0, 12.0),
+            Statistic::new("residual_p50", "%", "Median residual."),
+            Statistic::new("residual_max", "%", "Largest residual."),
+            Statistic::index("worst", "Marker with the largest score, by its place in the list."),
         ]
     }
 
@@ -73,61 +82,61 @@ impl Metric for MarkerFit {
     }
 }
 
-/// From this residual on an outlier counts in full, in percent of the diagonal.
-const FULL: f64 = 15.0;
-
 struct Bound<'a> {
-    subject: MetricContext<'a>,
-    figures: Figures,
+    context: MetricContext<'a>,
+    statistics: Figures,
 }
 
 impl BoundMetric for Bound<'_> {
-    fn measure(&self, pose: MetricInput<'_>) -> Result<Measured> {
-        self.subject.check(&pose)?;
-        let worst = self.figures.number("worst").map(|worst| worst as usize);
-        let marker = self.subject.pair.zip(worst).and_then(|(pair, worst)| pair.markers.get(worst));
+    fn measure(&self, input: MetricInput<'_>) -> Result<Measured> {
+        self.context.check(&input)?;
+        let worst = self.statistics.number("worst").map(|worst| worst as usize);
+        let marker = self.context.pair.zip(worst).and_then(|(pair, worst)| pair.markers.get(worst));
         let about = marker.map(|marker| ("outlier", format!("marker {}", marker.name))).into_iter().collect();
-        Ok(Measured { figures: self.figures.clone(), about, ..Measured::default() })
+        Ok(Measured { statistics: self.statistics.clone(), about, ..Measured::default() })
     }
 }
 
-fn fit(pair: TransferPair<'_>, diagonal: f64, figures: &mut Figures) {
-    let step = pair.markers.len().div_ceil(MOST);
+/// Sets the statistics that markers of this number and arrangement have.
+fn fit(pair: TransferPair<'_>, diagonal: f64, statistics: &mut Figures) {
+    let step = pair.markers.len().div_ceil(MAX_MARKERS);
     let used = || pair.markers.iter().step_by(step);
     let source: Vec<_> = used().map(|m| m.source.position(pair.source, &pair.source.positions)).collect();
     let target: Vec<_> = used().map(|m| m.target.position(pair.target, &pair.target.positions)).collect();
     if let Some(gain) = mirror_gain(&source, &target) {
-        figures.set("mirrored", u8::from(gain > 1.2));
-        figures.set("mirror_gain", gain);
+        statistics.set("mirrored", u8::from(gain > 1.2));
+        statistics.set("mirror_gain", gain);
     }
     let Some(misfits) = misfits(&source, &target) else { return };
     let all: Vec<f64> = misfits.iter().map(|misfit| misfit.score).collect();
-    let (Some(scores), Some(worst)) = (Spread::even(all.iter().copied()), first_largest(&all)) else { return };
+    let (Some(scores), Some(worst)) = (Distribution::unweighted(all.iter().copied()), first_largest(&all)) else {
+        return;
+    };
     let (median, max) = (scores.percentile(0.5), scores.max());
     let residuals = misfits.iter().map(|misfit| 100.0 * misfit.residual / diagonal);
-    let Some(residuals) = Spread::even(residuals) else { return };
+    let Some(residuals) = Distribution::unweighted(residuals) else { return };
     // Scores of markers that fit to rounding are noise.
     let floor = 1e-3 * diagonal;
-    // The residual of the marker itself: one that stands out by little of the body is no mistake, but a hump.
-    let by = 100.0 * misfits[worst].residual / diagonal;
-    figures.set("outlier", (max + floor) / (median + floor) * (by / FULL).min(1.0));
-    figures.set("residual_p50", residuals.percentile(0.5));
-    figures.set("residual_max", residuals.max());
-    figures.set("worst", step * worst);
+    // A marker that stands out by little is a hump of the body, no mistake.
+    let residual = 100.0 * misfits[worst].residual / diagonal;
+    statistics.set("outlier", (max + floor) / (median + floor) * (residual / FULL_RESIDUAL).min(1.0));
+    statistics.set("residual_p50", residuals.percentile(0.5));
+    statistics.set("residual_max", residuals.max());
+    statistics.set("worst", step * worst);
 }
 
 /// How badly a marker fits the others.
 struct Misfit {
-    /// How far it is from where they take it.
+    /// The distance between it and the place that the others give it.
     residual: f64,
-    /// That, relative to how sure they are of it.
+    /// The residual, weighted by how certain that place is.
     score: f64,
 }
 
 /// How badly each point of `target` fits the smoothest map through all others; `None` if points lie in a plane.
 ///
-/// All of them come from one inverse of the full system: rₖ = (M⁻¹ b)ₖ / (M⁻¹)ₖₖ (Rippa 1999), where 1 / (M⁻¹)ₖₖ is what a map of
-/// this smoothness may differ by there, squared.
+/// All residuals come from one inverse of the full system: rₖ = (M⁻¹ b)ₖ / (M⁻¹)ₖₖ (Rippa 1999). There 1 / (M⁻¹)ₖₖ is the square of
+/// what a map of this smoothness may differ by.
 fn misfits(source: &[Point3<f64>], target: &[Point3<f64>]) -> Option<Vec<Misfit>> {
     let n = source.len();
     let (_, scale) = whitened(source)?;
@@ -145,14 +154,14 @@ fn misfits(source: &[Point3<f64>], target: &[Point3<f64>]) -> Option<Vec<Misfit>
     let inverse = m.try_inverse()?;
     let misfit = |k: usize| {
         let sum: Vector3<f64> = (0..n).map(|j| (target[j] - target[0]) * inverse[(k, j)]).sum();
-        let sureness = inverse[(k, k)].abs();
-        Misfit { residual: sum.norm() / sureness, score: sum.norm() / sureness.sqrt() }
+        let certainty = inverse[(k, k)].abs();
+        Misfit { residual: sum.norm() / certainty, score: sum.norm() / certainty.sqrt() }
     };
     Some((0..n).map(misfit).collect())
 }
 
-/// Residual of the best rotation over that of the best reflection, after both sides are freed of place, size and proportions;
-/// `None` if one lies in a plane.
+/// The residual of the best rotation over that of the best reflection, without place, size and proportions of both sides; `None` if
+/// one lies in a plane.
 fn mirror_gain(source: &[Point3<f64>], target: &[Point3<f64>]) -> Option<f64> {
     let ((s, _), (t, _)) = (whitened(source)?, whitened(target)?);
     let mean = t.iter().zip(&s).map(|(t, s)| t * s.transpose()).sum::<Matrix3<f64>>() / s.len() as f64;
@@ -163,14 +172,15 @@ fn mirror_gain(source: &[Point3<f64>], target: &[Point3<f64>]) -> Option<f64> {
     Some((residual(third) / residual(-third)).sqrt())
 }
 
-/// Points of mean 0 and covariance 1, and the spread that they had along their longest direction; `None` if they lie in a plane.
+/// The points moved and scaled to mean 0 and covariance 1, and their spread along the longest direction before; `None` if they lie
+/// in a plane.
 fn whitened(points: &[Point3<f64>]) -> Option<(Vec<Vector3<f64>>, f64)> {
     let mean = points.iter().map(|p| p.coords).sum::<Vector3<f64>>() / points.len() as f64;
     let covariance =
         points.iter().map(|p| p.coords - mean).map(|d| d * d.transpose()).sum::<Matrix3<f64>>() / points.len() as f64;
     let eigen = covariance.symmetric_eigen();
     let (low, high) = (eigen.eigenvalues.min(), eigen.eigenvalues.max());
-    if low <= FLAT * FLAT * high {
+    if low <= MIN_THICKNESS * MIN_THICKNESS * high {
         return None;
     }
     let roots = Matrix3::from_diagonal(&eigen.eigenvalues.map(|x| 1.0 / x.sqrt()));
@@ -187,7 +197,7 @@ mod tests {
     };
 
     use super::*;
-    use crate::testing::assert_figure;
+    use crate::testing::assert_statistic;
 
     /// A capsule bent and thickened, paired by `partner` of every fifth vertex with itself at rest.
     fn measure(partner: impl Fn(u32) -> u32) -> Figures {
@@ -203,17 +213,17 @@ mod tests {
         let markers: Vec<_> = (0..source.vertex_count() as u32).step_by(5).map(marker).collect();
         let mesh = Mesh::from_triangles(target.positions.clone(), &target.triangles);
         let pair = TransferPair { source: &source, target: &target, markers: &markers, proximity: None };
-        let subject = MetricContext { pair: Some(pair), ..MetricContext::alone(&mesh, &target) };
-        MarkerFit {}.bind(subject).unwrap().measure(MetricInput::alone(&target.positions)).unwrap().figures
+        let context = MetricContext { pair: Some(pair), ..MetricContext::alone(&mesh, &target) };
+        MarkerFit {}.bind(context).unwrap().measure(MetricInput::alone(context.at_rest())).unwrap().statistics
     }
 
     #[test]
     fn markers_of_a_smooth_map_fit_and_one_on_the_wrong_side_is_named() {
         let good = measure(|v| v);
-        assert_figure(&good, "mirrored", 0.0, 0.0);
+        assert_statistic(&good, "mirrored", 0.0, 0.0);
         assert!(good.number("outlier").unwrap() < 7.0, "{good:?}");
         let bad = measure(|v| if v == 45 { 51 } else { v });
-        assert_figure(&bad, "worst", 9.0, 0.0);
+        assert_statistic(&bad, "worst", 9.0, 0.0);
         assert!(bad.number("outlier").unwrap() > 12.0, "{bad:?}");
     }
 
@@ -225,9 +235,9 @@ mod tests {
             let distance = |u: &u32| (source.positions[*u as usize] - Point3::new(-p.x, p.y, p.z)).norm();
             (0..source.vertex_count() as u32).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap()
         };
-        let figures = measure(mirrored);
-        assert_figure(&figures, "mirrored", 1.0, 0.0);
-        assert!(figures.number("mirror_gain").unwrap() > 3.0, "{figures:?}");
+        let statistics = measure(mirrored);
+        assert_statistic(&statistics, "mirrored", 1.0, 0.0);
+        assert!(statistics.number("mirror_gain").unwrap() > 3.0, "{statistics:?}");
     }
 
     #[test]

@@ -1,64 +1,62 @@
-//! Distance of each vertex to where it should be.
+//! Distance of each vertex to its known position.
 
 use mimesh_core::{
     Error, Figures, Result,
     mesh::Mesh,
     register,
-    stage::{BoundMetric, Limit, Measured, Metric, MetricContext, MetricInput},
+    stage::{Aggregate, BoundMetric, Measured, Metric, MetricContext, MetricInput, Statistic},
 };
 use nalgebra::Vector3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::size;
+use crate::{diagonal, vertex_field};
 
 register!(Metric: PointError);
 
-/// Distance of each vertex to where it should be, in percent of the diagonal of the rest bounding box.
+/// Distance of each vertex to its known position, in percent of the diagonal at rest.
 ///
-/// The result is first moved so that its centroid (mean of its vertices) lies on that of the truth:
-/// eᵢ = 100 · ‖(pᵢ − p̄) − (tᵢ − t̄)‖ / diagonal. Figures:
-/// - `mean`, `rms` = √(Σ eᵢ² / #V), `p50`, `p95`, `p99` (percentiles, interpolated linearly between vertices), `max`;
-/// - `within`: the share of vertices, in percent, whose error is at most 10 (k / 50)² %, k = 1 … 50: the curve of the 2018 paper's
-///   figure 14, with most points where good results lie;
-/// - `placed`: mean of 100 · ‖pᵢ − tᵢ‖ / diagonal, i.e. without that move;
-/// - if the polygons of the rest mesh join its vertices into several components: `components`, and `comp_mean` and
-///   `comp_max` of the distance between the component's centroids in result and truth after the move. A vertex
-///   that no polygon uses is a component of its own;
-/// - `vertices` and `nonfinite`: vertices, and those of the result that are not finite, which are counted and left out.
+/// The result is first moved so that the mean p̄ of its vertices lies on the mean t̄ of the known ones. The error of a vertex is
+/// eᵢ = 100 ‖(pᵢ − p̄) − (tᵢ − t̄)‖ / diagonal. Percentiles are interpolated linearly between vertices.
+///
+/// Beside its statistics it gives the curve `within`: for k = 1 … 50 the share of vertices, in percent, with an error of at most
+/// 10 (k / 50)² %. That is figure 14 of the 2018 paper, with most points where good results lie.
+///
+/// It counts the vertices and components of the file, like other programs; a vertex that no polygon uses is a component of its own.
+/// Vertices of the result that are not finite are left out. The field is the error of each vertex.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema, Serialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct PointError {}
 
 #[typetag::serde(name = "point_error")]
 impl Metric for PointError {
-    fn bind<'a>(&self, subject: MetricContext<'a>) -> Result<Box<dyn BoundMetric + 'a>> {
-        let diagonal = size::of_rest(subject.rest)?;
-        Ok(Box::new(Bound { subject, diagonal, labels: components(subject.rest) }))
+    fn bind<'a>(&self, context: MetricContext<'a>) -> Result<Box<dyn BoundMetric + 'a>> {
+        let diagonal = diagonal::of_target(context.rest)?;
+        Ok(Box::new(Bound { context, diagonal, labels: components(context.rest) }))
     }
 
-    fn figures(&self) -> Vec<&'static str> {
+    fn statistics(&self) -> Vec<Statistic> {
         vec![
-            "mean",
-            "rms",
-            "p50",
-            "p95",
-            "p99",
-            "max",
-            "placed",
-            "comp_mean",
-            "comp_max",
-            "components",
-            "vertices",
-            "nonfinite",
+            Statistic::new("mean", "%", "Mean error.").with_limits(2.0, 5.0),
+            Statistic::new("rms", "%", "Root mean square of the error.").with_aggregate(Aggregate::RootMeanSquare),
+            Statistic::new("p50", "%", "Median error."),
+            Statistic::new("p95", "%", "95th percentile of the error."),
+            Statistic::new("p99", "%", "99th percentile of the error.").with_limits(6.0, 15.0),
+            Statistic::new("max", "%", "Largest error."),
+            Statistic::new("placed", "%", "Mean distance of vertices to their known positions, without the move."),
+            Statistic::new(
+                "comp_mean",
+                "%",
+                "Mean over components of the distance between their centroids after the move.",
+            ),
+            Statistic::new("comp_max", "%", "Largest distance between the centroids of a component after the move."),
+            Statistic::new("components", "count", "Components of the file's mesh, if it has several."),
+            Statistic::new("vertices", "count", "Vertices of the file's mesh."),
+            Statistic::new("nonfinite", "count", "Vertices of the result that are not finite."),
         ]
     }
 
-    fn limits(&self) -> Vec<Limit> {
-        vec![Limit { figure: "mean", doubtful: 2.0, bad: 5.0 }, Limit { figure: "p99", doubtful: 6.0, bad: 15.0 }]
-    }
-
-    fn needs_truth(&self) -> bool {
+    fn needs_ground_truth(&self) -> bool {
         true
     }
 
@@ -67,72 +65,75 @@ impl Metric for PointError {
     }
 }
 
-/// Points of the curve `within`, and the error of its last in percent.
-const CURVE: usize = 50;
-const CURVE_END: f64 = 10.0;
+/// Points of the curve `within`.
+const CURVE_POINTS: usize = 50;
+/// The error at its last point, in percent.
+const MAX_CURVE_ERROR: f64 = 10.0;
 
 struct Bound<'a> {
-    subject: MetricContext<'a>,
+    context: MetricContext<'a>,
     diagonal: f64,
-    /// For each vertex its component.
+    /// The component of each vertex.
     labels: Vec<usize>,
 }
 
 impl BoundMetric for Bound<'_> {
-    fn measure(&self, pose: MetricInput<'_>) -> Result<Measured> {
-        self.subject.check(&pose)?;
-        let (result, Some(truth)) = (pose.result, pose.truth) else { return Ok(Measured::default()) };
+    fn measure(&self, input: MetricInput<'_>) -> Result<Measured> {
+        self.context.check(&input)?;
+        let Some(ground_truth) = input.ground_truth else { return Ok(Measured::default()) };
+        let (result, known) = (input.result.mesh, ground_truth.mesh);
         let count = result.len();
-        if let Some(vertex) = truth.iter().position(|p| !size::is_finite(p)) {
+        if let Some(vertex) = known.iter().position(|p| !vertex_field::is_finite(p)) {
             return Err(Error::data(
                 format!("the truth is not finite at vertex {vertex} (from 0)"),
                 "export the known result again without NaN and infinity",
             ));
         }
-        let good: Vec<usize> = (0..count).filter(|&v| size::is_finite(&result[v])).collect();
-        let mut figures = Figures::default();
-        figures.set("vertices", count);
-        figures.set("nonfinite", count - good.len());
-        if good.len() < count {
-            figures.warn(format!(
+        let finite: Vec<usize> = (0..count).filter(|&v| vertex_field::is_finite(&result[v])).collect();
+        let mut statistics = Figures::default();
+        statistics.set("vertices", count);
+        statistics.set("nonfinite", count - finite.len());
+        if finite.len() < count {
+            statistics.warn(format!(
                 "{} of {count} vertices are not finite and are left out of the errors",
-                count - good.len()
+                count - finite.len()
             ));
         }
-        if good.is_empty() {
-            return Ok(Measured { figures, ..Measured::default() });
+        if finite.is_empty() {
+            return Ok(Measured { statistics, ..Measured::default() });
         }
         let percent = 100.0 / self.diagonal;
-        let placed: Vec<Vector3<f64>> = good.iter().map(|&v| result[v] - truth[v]).collect();
+        let placed: Vec<Vector3<f64>> = finite.iter().map(|&v| result[v] - known[v]).collect();
         let shift = mean_vector(&placed);
         let aligned: Vec<Vector3<f64>> = placed.iter().map(|d| d - shift).collect();
 
         let mut errors: Vec<f64> = aligned.iter().map(|d| percent * d.norm()).collect();
         let mut field = vec![f64::NAN; count];
-        good.iter().zip(&errors).for_each(|(&v, &error)| field[v] = error);
+        finite.iter().zip(&errors).for_each(|(&v, &error)| field[v] = error);
         errors.sort_unstable_by(f64::total_cmp);
         let number = errors.len() as f64;
-        figures.set("mean", errors.iter().sum::<f64>() / number);
-        figures.set("rms", (errors.iter().map(|e| e * e).sum::<f64>() / number).sqrt());
+        statistics.set("mean", errors.iter().sum::<f64>() / number);
+        statistics.set("rms", (errors.iter().map(|e| e * e).sum::<f64>() / number).sqrt());
         for (name, share) in [("p50", 0.50), ("p95", 0.95), ("p99", 0.99), ("max", 1.0)] {
-            figures.set(name, percentile(&errors, share));
+            statistics.set(name, percentile(&errors, share));
         }
         let within = |bound: f64| 100.0 * errors.partition_point(|e| *e <= bound) as f64 / number;
-        let bound = |k: usize| CURVE_END * (k as f64 / CURVE as f64).powi(2);
-        figures.set("within", (1..=CURVE).map(|k| within(bound(k))).collect::<Vec<f64>>());
-        figures.set("placed", percent * placed.iter().map(Vector3::norm).sum::<f64>() / number);
+        let bound = |k: usize| MAX_CURVE_ERROR * (k as f64 / CURVE_POINTS as f64).powi(2);
+        statistics.set("within", (1..=CURVE_POINTS).map(|k| within(bound(k))).collect::<Vec<f64>>());
+        statistics.set("placed", percent * placed.iter().map(Vector3::norm).sum::<f64>() / number);
 
         let labels = &self.labels;
-        if good.iter().any(|&v| labels[v] > 0) {
-            let offsets: Vec<f64> = component_offsets(labels, &good, &aligned).iter().map(|d| percent * d).collect();
-            figures.set("components", offsets.len());
-            figures.set("comp_mean", offsets.iter().sum::<f64>() / offsets.len() as f64);
-            figures.set("comp_max", offsets.iter().copied().fold(0.0, f64::max));
+        if finite.iter().any(|&v| labels[v] > 0) {
+            let offsets: Vec<f64> = component_offsets(labels, &finite, &aligned).iter().map(|d| percent * d).collect();
+            statistics.set("components", offsets.len());
+            statistics.set("comp_mean", offsets.iter().sum::<f64>() / offsets.len() as f64);
+            statistics.set("comp_max", offsets.iter().copied().fold(0.0, f64::max));
         }
-        Ok(Measured { figures, about: vec![], field, field_unit: "error, %", field_high: 5.0 })
+        Ok(Measured { statistics, about: vec![], field, field_unit: "error, %", field_high: 5.0 })
     }
 }
 
+/// The mean of `vectors`.
 fn mean_vector(vectors: &[Vector3<f64>]) -> Vector3<f64> {
     vectors.iter().sum::<Vector3<f64>>() / vectors.len() as f64
 }
@@ -144,7 +145,7 @@ fn percentile(sorted: &[f64], share: f64) -> f64 {
     below + (above - below) * place.fract()
 }
 
-/// For each vertex of the rest mesh the component that polygons join it into, numbered by first vertex.
+/// The component of each vertex of the rest mesh, joined by polygons and numbered by first vertex.
 fn components(rest: &Mesh) -> Vec<usize> {
     let count = rest.positions.len();
     let mut parent: Vec<usize> = (0..count).collect();
@@ -178,10 +179,10 @@ fn root(parent: &mut [usize], mut vertex: usize) -> usize {
     vertex
 }
 
-/// How far the centroid of each component is moved, over the vertices `good`, whose moves are `moved`.
-fn component_offsets(labels: &[usize], good: &[usize], moved: &[Vector3<f64>]) -> Vec<f64> {
+/// The distance that the centroid of each component moves if the vertices `finite` move by `moved`.
+fn component_offsets(labels: &[usize], finite: &[usize], moved: &[Vector3<f64>]) -> Vec<f64> {
     let mut sums = vec![(Vector3::zeros(), 0usize); labels.iter().max().map_or(0, |largest| largest + 1)];
-    for (&vertex, offset) in good.iter().zip(moved) {
+    for (&vertex, offset) in finite.iter().zip(moved) {
         let (sum, count) = &mut sums[labels[vertex]];
         *sum += offset;
         *count += 1;
@@ -196,6 +197,7 @@ fn component_offsets(labels: &[usize], good: &[usize], moved: &[Vector3<f64>]) -
 mod tests {
     use mimesh_core::{
         mesh::{Mesh, Surface},
+        stage::Posed,
         testkit::meshes,
     };
     use nalgebra::Point3;
@@ -207,22 +209,24 @@ mod tests {
         Mesh::from_triangles(surface.positions, &surface.triangles)
     }
 
-    fn measure(rest: &Mesh, result: &[Point3<f64>], truth: &[Point3<f64>]) -> Figures {
-        try_measure(rest, result, truth).unwrap()
+    fn measure(rest: &Mesh, result: &[Point3<f64>], known: &[Point3<f64>]) -> Figures {
+        try_measure(rest, result, known).unwrap()
     }
 
-    fn try_measure(rest: &Mesh, result: &[Point3<f64>], truth: &[Point3<f64>]) -> Result<Figures> {
+    fn try_measure(rest: &Mesh, result: &[Point3<f64>], known: &[Point3<f64>]) -> Result<Figures> {
         let surface = Surface::new(rest)?;
-        let subject = MetricContext::alone(rest, &surface);
-        Ok(PointError::default().bind(subject)?.measure(MetricInput::against(result, truth))?.figures)
+        let context = MetricContext::alone(rest, &surface);
+        // It reads positions of the mesh alone.
+        let [result, known] = [result, known].map(|mesh| Posed { mesh, ..context.at_rest() });
+        Ok(PointError::default().bind(context)?.measure(MetricInput::against(result, known))?.statistics)
     }
 
     /// Sums of some hundred numbers of size 100 round to about this.
     const ROUNDING: f64 = 1e-11;
 
     #[track_caller]
-    fn assert_figure(figures: &Figures, name: &str, expected: f64) {
-        let found = figures.number(name).unwrap();
+    fn assert_statistic(statistics: &Figures, name: &str, expected: f64) {
+        let found = statistics.number(name).unwrap();
         assert!((found - expected).abs() < ROUNDING, "{name}: {found}, expected {expected}");
     }
 
@@ -230,26 +234,26 @@ mod tests {
     fn a_move_of_everything_counts_only_as_placed() {
         let rest = mesh(meshes::icosphere(1));
         let moved: Vec<_> = rest.positions.iter().map(|p| p + Vector3::new(0.3, 0.0, 0.4) * rest.diagonal()).collect();
-        let figures = measure(&rest, &moved, &rest.positions);
-        ["mean", "rms", "p50", "p95", "p99", "max"].iter().for_each(|name| assert_figure(&figures, name, 0.0));
-        assert_figure(&figures, "placed", 50.0);
-        assert!(figures.number("components").is_none(), "one component has no offsets");
+        let statistics = measure(&rest, &moved, &rest.positions);
+        ["mean", "rms", "p50", "p95", "p99", "max"].iter().for_each(|name| assert_statistic(&statistics, name, 0.0));
+        assert_statistic(&statistics, "placed", 50.0);
+        assert!(statistics.number("components").is_none(), "one component has no offsets");
     }
 
     #[test]
     fn a_scaled_grid_has_errors_in_proportion_to_the_distance_from_its_centre() {
         let rest = mesh(meshes::grid(2, 2));
         let grown: Vec<_> = rest.positions.iter().map(|p| p * 2.0).collect();
-        let figures = measure(&rest, &grown, &rest.positions);
+        let statistics = measure(&rest, &grown, &rest.positions);
         // Distances from the centre: once 0, four times 1/2, four times 1/√2; the diagonal is √2.
         let (near, far) = (50.0 / 2f64.sqrt(), 50.0);
-        assert_figure(&figures, "mean", (4.0 * near + 4.0 * far) / 9.0);
-        assert_figure(&figures, "rms", ((4.0 * near * near + 4.0 * far * far) / 9.0).sqrt());
-        assert_figure(&figures, "p50", near);
-        assert_figure(&figures, "p95", far);
-        let within = figures.values["within"].as_array().unwrap();
+        assert_statistic(&statistics, "mean", (4.0 * near + 4.0 * far) / 9.0);
+        assert_statistic(&statistics, "rms", ((4.0 * near * near + 4.0 * far * far) / 9.0).sqrt());
+        assert_statistic(&statistics, "p50", near);
+        assert_statistic(&statistics, "p95", far);
+        let within = statistics.values["within"].as_array().unwrap();
         assert_eq!((within.len(), within[49].as_f64()), (50, Some(100.0 / 9.0)), "only the centre is within 10 %");
-        assert_figure(&figures, "max", far);
+        assert_statistic(&statistics, "max", far);
     }
 
     #[test]
@@ -268,11 +272,11 @@ mod tests {
         let step = Vector3::y() * rest.diagonal();
         let apart: Vec<_> =
             rest.positions.iter().enumerate().map(|(v, p)| if v < half { *p } else { p + step }).collect();
-        let figures = measure(&rest, &apart, &rest.positions);
-        assert_figure(&figures, "components", 2.0);
-        assert_figure(&figures, "comp_mean", 50.0);
-        assert_figure(&figures, "comp_max", 50.0);
-        assert_figure(&figures, "max", 50.0);
+        let statistics = measure(&rest, &apart, &rest.positions);
+        assert_statistic(&statistics, "components", 2.0);
+        assert_statistic(&statistics, "comp_mean", 50.0);
+        assert_statistic(&statistics, "comp_max", 50.0);
+        assert_statistic(&statistics, "max", 50.0);
     }
 
     #[test]
@@ -281,11 +285,11 @@ mod tests {
         let mut result = rest.positions.clone();
         let last = result.len() - 1;
         result[last] += Vector3::x() * rest.diagonal();
-        let figures = measure(&rest, &result, &rest.positions);
+        let statistics = measure(&rest, &result, &rest.positions);
         let share = 100.0 / result.len() as f64;
-        assert_figure(&figures, "components", 2.0);
-        assert_figure(&figures, "comp_max", 100.0 - share);
-        assert_figure(&figures, "comp_mean", 50.0);
+        assert_statistic(&statistics, "components", 2.0);
+        assert_statistic(&statistics, "comp_max", 100.0 - share);
+        assert_statistic(&statistics, "comp_mean", 50.0);
     }
 
     #[test]
@@ -293,10 +297,10 @@ mod tests {
         let rest = mesh(meshes::tetrahedron());
         let mut result = rest.positions.clone();
         result[2].y = f64::NAN;
-        let figures = measure(&rest, &result, &rest.positions);
-        assert_figure(&figures, "nonfinite", 1.0);
-        assert_figure(&figures, "max", 0.0);
-        assert_eq!(figures.warnings, ["1 of 4 vertices are not finite and are left out of the errors"]);
+        let statistics = measure(&rest, &result, &rest.positions);
+        assert_statistic(&statistics, "nonfinite", 1.0);
+        assert_statistic(&statistics, "max", 0.0);
+        assert_eq!(statistics.warnings, ["1 of 4 vertices are not finite and are left out of the errors"]);
         result.iter_mut().for_each(|p| p.x = f64::INFINITY);
         assert_eq!(measure(&rest, &result, &rest.positions).number("mean"), None);
     }
@@ -314,7 +318,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn figures_are_ordered_and_do_not_depend_on_where_the_result_lies(
+        fn statistics_are_ordered_and_do_not_depend_on_where_the_result_lies(
             offsets in prop::collection::vec(prop::array::uniform3(-1.0..1.0f64), 42),
             shift in prop::array::uniform3(-10.0..10.0f64),
         ) {

@@ -1,9 +1,9 @@
-//! Which triangles come close to each other: a tree of bounding boxes that is built once and moves with the vertices.
+//! A tree of bounding boxes over triangles, built at rest and refitted to each pose.
 
 use nalgebra::Point3;
 use rayon::prelude::*;
 
-/// A box: smallest and largest corner.
+/// A box by its smallest and largest corner.
 #[derive(Clone, Copy)]
 struct Bounds([f64; 3], [f64; 3]);
 
@@ -28,19 +28,19 @@ impl Bounds {
     }
 }
 
-/// Triangles a leaf holds at most.
-const LEAF: usize = 4;
+/// Triangles in a leaf.
+const MAX_LEAF: usize = 4;
 
 struct Node {
-    /// Its triangles, as places in `order`.
+    /// Its triangles, by their indices in `order`.
     range: std::ops::Range<u32>,
-    /// Its second child; the first one follows it. 0 for leaves.
+    /// The index of its second child, 0 for a leaf; the first child follows the node itself.
     second: u32,
 }
 
 /// A binary tree over triangles, split at medians of their barycentres at rest.
 pub struct TriangleTree {
-    /// A parent goes before its children.
+    /// The nodes, each before its children.
     nodes: Vec<Node>,
     leaves: Vec<u32>,
     /// Triangles in the order of the leaves.
@@ -50,42 +50,42 @@ pub struct TriangleTree {
 impl TriangleTree {
     /// The tree of `triangles` over `positions`.
     pub fn new(positions: &[Point3<f64>], triangles: &[[u32; 3]]) -> Self {
-        let middle =
+        let barycentre =
             |t: &[u32; 3]| t.iter().map(|&v| positions[v as usize].coords / 3.0).sum::<nalgebra::Vector3<f64>>();
-        let middles: Vec<[f64; 3]> = triangles.iter().map(|t| middle(t).into()).collect();
+        let barycentres: Vec<[f64; 3]> = triangles.iter().map(|t| barycentre(t).into()).collect();
         let order = (0..triangles.len() as u32).collect();
         let mut tree = Self { nodes: vec![], leaves: vec![], order };
         if !triangles.is_empty() {
-            tree.split(0..triangles.len(), &middles);
+            tree.split(0..triangles.len(), &barycentres);
         }
         tree
     }
 
-    fn split(&mut self, range: std::ops::Range<usize>, middles: &[[f64; 3]]) {
+    fn split(&mut self, range: std::ops::Range<usize>, barycentres: &[[f64; 3]]) {
         let node = self.nodes.len();
         self.nodes.push(Node { range: range.start as u32..range.end as u32, second: 0 });
-        if range.len() <= LEAF {
+        if range.len() <= MAX_LEAF {
             self.leaves.push(node as u32);
             return;
         }
         let part = &mut self.order[range.clone()];
-        let spread = |k: usize| {
-            let along = part.iter().map(|&t| middles[t as usize][k]);
+        let extent = |k: usize| {
+            let along = part.iter().map(|&t| barycentres[t as usize][k]);
             let (low, high) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
             high - low
         };
-        let spreads = [spread(0), spread(1), spread(2)];
-        let axis = (0..3).fold(0, |best, k| if spreads[k] > spreads[best] { k } else { best });
+        let extents = [extent(0), extent(1), extent(2)];
+        let axis = (0..3).fold(0, |best, k| if extents[k] > extents[best] { k } else { best });
         let half = part.len() / 2;
         part.select_nth_unstable_by(half, |a, b| {
-            middles[*a as usize][axis].total_cmp(&middles[*b as usize][axis]).then(a.cmp(b))
+            barycentres[*a as usize][axis].total_cmp(&barycentres[*b as usize][axis]).then(a.cmp(b))
         });
-        self.split(range.start..range.start + half, middles);
+        self.split(range.start..range.start + half, barycentres);
         self.nodes[node].second = self.nodes.len() as u32;
-        self.split(range.start + half..range.end, middles);
+        self.split(range.start + half..range.end, barycentres);
     }
 
-    /// Pairs of triangles whose boxes at `positions` meet and for which `is_wanted` says so, smaller number first, sorted.
+    /// Pairs of triangles whose boxes at `positions` meet and that `is_wanted` accepts, smaller number first, sorted.
     pub fn pairs(
         &self,
         positions: &[Point3<f64>],
@@ -93,10 +93,10 @@ impl TriangleTree {
         is_wanted: impl Fn(u32, u32) -> bool + Sync,
     ) -> Vec<[u32; 2]> {
         let corners = |t: u32| triangles[t as usize].map(|v| positions[v as usize]);
-        // A corner that is not finite makes no box.
+        // A triangle with a corner that is not finite has an empty box.
         let bounds = |&t: &u32| {
             let corners = corners(t);
-            let finite = corners.iter().all(crate::size::is_finite);
+            let finite = corners.iter().all(crate::vertex_field::is_finite);
             if finite { Bounds::of(&corners) } else { Bounds::EMPTY }
         };
         let boxes: Vec<Bounds> = self.order.par_iter().with_min_len(4096).map(bounds).collect();

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use mimesh_core::{
     mesh::{Mesh, Surface, SurfacePoint},
     plugin,
-    stage::{Format, Marker, Metric, MetricContext, MetricInput, TransferPair},
-    testkit::random::Random,
+    stage::{Format, Marker, Metric, MetricContext, MetricInput, Posed, Statistic, TransferPair},
+    testkit::{data::data, random::Random},
 };
 use mimesh_formats as _;
 use mimesh_metrics as _;
@@ -22,14 +22,9 @@ struct Scene {
 }
 
 impl Scene {
-    /// `None`, with a word, where the data is missing.
+    /// `None` where the data is missing.
     fn new(source: &str, target: &str) -> Option<Self> {
-        let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
-        if !data.exists() {
-            assert!(std::env::var("CI").as_deref() != Ok("true"), "../shared/data is missing");
-            eprintln!("skipped: ../shared/data is missing");
-            return None;
-        }
+        let data = data("")?;
         let mesh = read(&data.join(target));
         let (source, target) = (Surface::new(&read(&data.join(source))).unwrap(), Surface::new(&mesh).unwrap());
         Some(Self { source, mesh, target, markers: vec![], data })
@@ -45,7 +40,7 @@ impl Scene {
         Some(scene)
     }
 
-    /// Figures beyond their limits as `metric.figure`, the bad ones, where the source is in one pose and the target in another.
+    /// Statistics above their bad limits as `metric.statistic`, with the source and the target in a pose each.
     fn bad(&self, source: &[Point3<f64>], result: &[Point3<f64>]) -> Vec<String> {
         let marker = |&[s, t]: &[u32; 2]| Marker {
             name: s.to_string(),
@@ -54,14 +49,18 @@ impl Scene {
         };
         let markers: Vec<_> = self.markers.iter().map(marker).collect();
         let pair = TransferPair { source: &self.source, target: &self.target, markers: &markers, proximity: None };
-        let subject = MetricContext { pair: Some(pair), ..MetricContext::alone(&self.mesh, &self.target) };
+        let context = MetricContext { pair: Some(pair), ..MetricContext::alone(&self.mesh, &self.target) };
         let mut bad = Vec::new();
         for (name, metric) in plugin::instances::<dyn Metric>() {
-            let judged = MetricInput { source: Some(source), ..MetricInput::alone(result) };
-            let figures = metric.bind(subject).unwrap().measure(judged).unwrap().figures;
-            let limits = metric.limits();
-            let above = limits.iter().filter(|limit| figures.number(limit.figure).is_some_and(|x| x.abs() > limit.bad));
-            bad.extend(above.map(|limit| format!("{name}.{}", limit.figure)));
+            let posed = Posed { mesh: result, surface: &self.target.from_mesh(result).unwrap() };
+            let input = MetricInput { source: Some(source), ..MetricInput::alone(posed) };
+            let found = metric.bind(context).unwrap().measure(input).unwrap().statistics;
+            let declared = metric.statistics();
+            let is_bad = |statistic: &&Statistic| {
+                let value = found.number(statistic.name).map(f64::abs);
+                statistic.limits.zip(value).is_some_and(|(limits, value)| value > limits.bad)
+            };
+            bad.extend(declared.iter().filter(is_bad).map(|statistic| format!("{name}.{}", statistic.name)));
         }
         bad
     }
@@ -148,8 +147,8 @@ fn a_wrong_scale_noise_and_a_loose_component_are_bad() {
     let amount = 0.003 * plates.target.diagonal();
     let noisy: Vec<_> = truth.iter().map(|p| p + random.vector() * amount).collect();
     let bad = plates.bad(&source, &noisy);
-    for figure in ["edge_stretch.beyond", "flipped_triangles.beyond_share", "self_intersections.beyond_share"] {
-        assert!(bad.iter().any(|b| b == figure), "{figure} in {bad:?}");
+    for statistic in ["edge_stretch.beyond", "flipped_triangles.beyond_share", "self_intersections.beyond_share"] {
+        assert!(bad.iter().any(|b| b == statistic), "{statistic} in {bad:?}");
     }
 
     let components = plates.target.components();

@@ -1,10 +1,10 @@
-//! What holds of every metric, whatever the meshes: neither where things lie nor their unit changes a figure.
+//! Laws of every metric: neither the place of the meshes nor their unit changes a statistic.
 
 use mimesh_core::{
     Figures,
     mesh::{Mesh, Surface, SurfacePoint},
     plugin,
-    stage::{Frame, Marker, Metric, MetricContext, MetricInput, TransferPair, TriangleMap},
+    stage::{Frame, Marker, Metric, MetricContext, MetricInput, Posed, TransferPair, TriangleMap},
     testkit::{meshes, random::Random},
 };
 use mimesh_metrics as _;
@@ -19,7 +19,7 @@ struct Scene {
     /// The latest first.
     source: [Positions; 3],
     result: [Positions; 3],
-    truth: Positions,
+    ground_truth: Positions,
 }
 
 impl Scene {
@@ -40,8 +40,8 @@ impl Scene {
             |positions: &Positions| -> Positions { positions.iter().map(|p| p + random.vector() * noise).collect() };
         let source = [bent(0.4), bent(0.3), bent(0.15)];
         let result = [noisy(&source[0]), noisy(&source[1]), noisy(&source[2])];
-        let truth = source[0].clone();
-        Self { rest, source, result, truth }
+        let ground_truth = source[0].clone();
+        Self { rest, source, result, ground_truth }
     }
 
     /// All of it in another unit.
@@ -49,14 +49,14 @@ impl Scene {
         let scale = |positions: &Positions| -> Positions { positions.iter().map(|p| p * by).collect() };
         let rest = Surface::from_triangles(scale(&self.rest.positions), self.rest.triangles.clone()).unwrap();
         let (source, result) = (self.source.each_ref().map(scale), self.result.each_ref().map(scale));
-        Self { rest, source, result, truth: scale(&self.truth) }
+        Self { rest, source, result, ground_truth: scale(&self.ground_truth) }
     }
 
     /// All that is posed, elsewhere.
     fn moved(&self, motion: &Isometry3<f64>) -> Self {
         let moved = |positions: &Positions| -> Positions { positions.iter().map(|p| motion * p).collect() };
         let (source, result) = (self.source.each_ref().map(moved), self.result.each_ref().map(moved));
-        Self { rest: self.rest.clone(), source, result, truth: moved(&self.truth) }
+        Self { rest: self.rest.clone(), source, result, ground_truth: moved(&self.ground_truth) }
     }
 
     fn measure(&self, metric: &dyn Metric) -> Figures {
@@ -70,20 +70,21 @@ impl Scene {
         let markers: Vec<_> = (0..rest.vertex_count() as u32).step_by(9).map(marker).collect();
         let count = rest.triangle_count() as u32;
         let map = TriangleMap {
-            source_triangles: count as usize,
-            partners: (0..count).map(|t| Some((t + 5) % count)).collect(),
+            source_triangle_count: count as usize,
+            triangles: (0..count).map(|t| Some((t + 5) % count)).collect(),
             ..TriangleMap::default()
         };
         let pair = TransferPair { source: rest, target: rest, markers: &markers, proximity: None };
-        let subject = MetricContext { rest: &mesh, surface: rest, pair: Some(pair), map: Some(&map) };
-        let frame = |k: usize| Some(Frame { result: &self.result[k], source: Some(&self.source[k]) });
-        let judged = MetricInput {
-            result: &self.result[0],
-            truth: Some(&self.truth),
+        let context = MetricContext { rest: &mesh, surface: rest, pair: Some(pair), map: Some(&map) };
+        let frame =
+            |k: usize| Some(Frame { result: Posed::without_seams(&self.result[k]), source: Some(&self.source[k]) });
+        let input = MetricInput {
+            result: Posed::without_seams(&self.result[0]),
+            ground_truth: Some(Posed::without_seams(&self.ground_truth)),
             source: Some(&self.source[0]),
             before: [frame(1), frame(2)],
         };
-        metric.bind(subject).unwrap().measure(judged).unwrap().figures
+        metric.bind(context).unwrap().measure(input).unwrap().statistics
     }
 }
 
@@ -102,14 +103,14 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
 
     #[test]
-    fn another_unit_changes_no_figure(seed in 0u64..1000, noise in 0.0..0.1f64, exponent in -12i32..12) {
+    fn another_unit_changes_no_statistic(seed in 0u64..1000, noise in 0.0..0.1f64, exponent in -12i32..12) {
         let scene = Scene::new(seed, noise);
         // A power of two scales without rounding; cube and square roots of it in between do round.
         assert_alike(&scene, &scene.scaled(2f64.powi(exponent)), 1e-9);
     }
 
     #[test]
-    fn a_rigid_motion_of_all_that_is_posed_changes_no_figure(seed in 0u64..1000, noise in 0.001..0.1f64) {
+    fn a_rigid_motion_of_all_that_is_posed_changes_no_statistic(seed in 0u64..1000, noise in 0.001..0.1f64) {
         let scene = Scene::new(seed, noise);
         let motion = Random::new(seed + 1).rigid_motion(10.0);
         // Places ten units away cost a digit or two of sixteen, and ill-shaped triangles magnify what is lost.

@@ -1,4 +1,4 @@
-//! Figures against what trimesh and libigl compute, through `peers.py`.
+//! Statistics against those that trimesh and libigl compute, through `peers.py`.
 //!
 //! Runs where MIMESH_PEERS names a Python that has both: `pip install trimesh libigl scipy`, then
 //! `MIMESH_PEERS=venv/bin/python cargo test --release -p mimesh-metrics --test peers`.
@@ -13,7 +13,8 @@ use mimesh_core::{
     Figures,
     mesh::{Mesh, Surface},
     plugin,
-    stage::{Format, Metric, MetricContext, MetricInput},
+    stage::{Format, Metric, MetricContext, MetricInput, Posed},
+    testkit::data::{data, missing},
 };
 use mimesh_formats as _;
 use mimesh_metrics as _;
@@ -33,13 +34,10 @@ const CASES: [(&str, &str, bool); 4] = [
 
 #[test]
 fn areas_edges_volumes_components_and_crossings_are_those_of_trimesh_and_libigl() {
-    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
-    let is_ci = std::env::var("CI").as_deref() == Ok("true");
-    let (Ok(python), true) = (std::env::var("MIMESH_PEERS"), data.exists()) else {
-        assert!(!is_ci, "MIMESH_PEERS or {} is missing", data.display());
-        eprintln!("skipped: set MIMESH_PEERS to a Python with trimesh and libigl, and have {}", data.display());
-        return;
+    let Ok(python) = std::env::var("MIMESH_PEERS") else {
+        return missing("MIMESH_PEERS", "name a Python with trimesh, libigl and scipy in it");
     };
+    let Some(data) = data("") else { return };
     let read = |file: &str| read(&data.join(file));
     let cases: Vec<_> = CASES
         .iter()
@@ -54,11 +52,11 @@ fn areas_edges_volumes_components_and_crossings_are_those_of_trimesh_and_libigl(
         let measure = |metric: &str| measure(metric, mesh, surface, posed);
         assert_eq!(peer["components"], surface.components().count(), "{name}");
         assert_eq!(peer["trimesh_components"], surface.components().count(), "{name}");
-        for (metric, figure) in
+        for (metric, statistic) in
             ["edge_stretch", "area_change"].iter().flat_map(|m| ["p99", "max", "median", "left_out"].map(|f| (*m, f)))
         {
-            let figures = measure(metric);
-            assert_near(name, metric, figures.number(figure), &peer[metric][figure], TOLERANCE);
+            let statistics = measure(metric);
+            assert_near(name, metric, statistics.number(statistic), &peer[metric][statistic], TOLERANCE);
         }
         if let Some(volume) = peer.get("volume") {
             let change = measure("volume").number("change");
@@ -82,7 +80,8 @@ fn read(file: &Path) -> Mesh {
 
 fn measure(name: &str, mesh: &Mesh, surface: &Surface, posed: &[Point3<f64>]) -> Figures {
     let (_, metric) = plugin::instances::<dyn Metric>().into_iter().find(|(n, _)| *n == name).unwrap();
-    metric.bind(MetricContext::alone(mesh, surface)).unwrap().measure(MetricInput::alone(posed)).unwrap().figures
+    let posed = Posed { mesh: posed, surface: &surface.from_mesh(posed).unwrap() };
+    metric.bind(MetricContext::alone(mesh, surface)).unwrap().measure(MetricInput::alone(posed)).unwrap().statistics
 }
 
 fn ask(python: &str, cases: &[(Mesh, Surface, Vec<Point3<f64>>, bool)]) -> Vec<Value> {

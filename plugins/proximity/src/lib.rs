@@ -2,3 +2,4 @@
 
 mod parts;
 pub mod spanning_tree;
+mod tree;

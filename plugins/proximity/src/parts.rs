@@ -43,10 +43,10 @@ impl Part {
         vertices.into_iter().zip(longest).map(part).collect()
     }
 
-    /// A lower bound of the distance to `other`: that of the bounding boxes.
+    /// A lower bound of the distance to `other`: that of the bounding boxes, less what rounding may add to it.
     pub fn box_distance(&self, other: &Self) -> f64 {
         let gap = (self.low - other.high).sup(&(other.low - self.high));
-        gap.map(|x| x.max(0.0)).norm()
+        gap.map(|x| x.max(0.0)).norm() * (1.0 - 4.0 * f64::EPSILON)
     }
 
     /// The shortest distance between vertices of the two.

@@ -10,26 +10,26 @@
 //! millions of pairs that say the same.
 //!
 //! Cost: the tree is exact without all distances. Pairs of components wait in a queue under the distance of their bounding
-//! boxes; only those that come to its front before the tree is complete are measured.
+//! boxes; only those that come to its front before the tree is complete are measured (`tree.rs`).
 
-use std::{
-    cmp::Reverse,
-    collections::{BTreeMap, BinaryHeap},
-};
+use std::collections::BTreeMap;
 
 use mimesh_core::{
     Error, Figures, Result,
     mesh::Surface,
+    plugin::check_ranges,
     register,
     stage::{ComponentRef, Link, Proximity, ProximityGraph},
 };
 use nalgebra::Point3;
-use petgraph::unionfind::UnionFind;
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::parts::Part;
+use crate::{
+    parts::Part,
+    tree::{Measured, tree},
+};
 
 register!(Proximity: SpanningTree);
 
@@ -65,8 +65,7 @@ const WELD_STIFFNESS: f64 = 1000.0;
 #[typetag::serde(name = "spanning_tree")]
 impl Proximity for SpanningTree {
     fn proximity(&self, target: &Surface) -> Result<ProximityGraph> {
-        Error::check_setting("epsilon_factor", self.epsilon_factor, 0.0, f64::INFINITY)?;
-        Error::check_setting("max_pairs", self.max_pairs as f64, 1.0, f64::INFINITY)?;
+        check_ranges(self)?;
         let components = target.components();
         let parts = Part::all(target, &components)?;
         let between = |pairs: &[[ComponentRef; 2]]| -> Result<Vec<[Vec<u32>; 2]>> {
@@ -111,7 +110,7 @@ impl Proximity for SpanningTree {
         figures.set("links_in_the_tree", tree.len());
         figures.set("pairs", links.iter().map(|(link, _)| link.pairs.len()).sum::<usize>());
         figures.set("links_with_pairs_left_out", links.iter().filter(|(_, capped)| *capped).count());
-        Ok(ProximityGraph { components, links: links.into_iter().map(|(link, _)| link).collect(), figures })
+        ProximityGraph::new(components, links.into_iter().map(|(link, _)| link).collect(), figures)
     }
 }
 
@@ -121,12 +120,7 @@ impl SpanningTree {
     }
 
     /// Pairs of components that are not joined in the tree but as close as what is.
-    fn as_close(
-        &self,
-        parts: &[Part],
-        tree: &[(f64, [u32; 2])],
-        allowed: impl Fn(u32, u32) -> bool + Sync,
-    ) -> Vec<(f64, [u32; 2])> {
+    fn as_close(&self, parts: &[Part], tree: &[Measured], allowed: impl Fn(u32, u32) -> bool + Sync) -> Vec<Measured> {
         let mut reach = vec![0.0f64; parts.len()];
         for &(distance, pair) in tree {
             pair.into_iter().for_each(|c| reach[c as usize] = reach[c as usize].max(distance));
@@ -160,85 +154,14 @@ impl SpanningTree {
             nalgebra::center(&target.positions[v as usize], &target.positions[w as usize])
         };
         let middles: Vec<_> = near.iter().map(middle).collect();
-        let mut kept = spread(&middles, self.max_pairs);
+        let mut kept = farthest_subset(&middles, self.max_pairs);
         kept.sort_unstable();
         (kept.iter().map(|&k| [near[k].1, near[k].2]).collect(), kept.len() < near.len())
     }
 }
 
-/// The minimum spanning tree (or forest, if not all pairs are allowed) with its distances, in the order of Kruskal 1956; ties
-/// go to the components of smaller number.
-fn tree(parts: &[Part], allowed: impl Fn(u32, u32) -> bool) -> Vec<(f64, [u32; 2])> {
-    let count = parts.len() as u32;
-    let mut queue = BinaryHeap::new();
-    for a in 0..count {
-        for b in (a + 1..count).filter(|&b| allowed(a, b)) {
-            queue.push(Reverse(Candidate {
-                distance: parts[a as usize].box_distance(&parts[b as usize]),
-                exact: false,
-                pair: [a, b],
-            }));
-        }
-    }
-    let mut joined = UnionFind::<u32>::new(parts.len());
-    let mut tree = Vec::new();
-    while let Some(Reverse(candidate)) = queue.pop() {
-        let [a, b] = candidate.pair;
-        if joined.equiv(a, b) {
-            continue;
-        }
-        if candidate.exact {
-            joined.union(a, b);
-            tree.push((candidate.distance, [a, b]));
-            if tree.len() + 1 == parts.len() {
-                break;
-            }
-        } else {
-            let distance = parts[a as usize].distance(&parts[b as usize]);
-            queue.push(Reverse(Candidate { distance, exact: true, pair: [a, b] }));
-        }
-    }
-    tree
-}
-
-/// A pair of components under a lower bound of its distance, or the distance itself.
-#[derive(Debug)]
-struct Candidate {
-    distance: f64,
-    exact: bool,
-    pair: [u32; 2],
-}
-
-impl Candidate {
-    /// Bounds come before distances of the same value, so that every pair which could have that distance is measured first.
-    fn key(&self) -> (u64, bool, [u32; 2]) {
-        // Distances are not negative, so that their bits sort as they do.
-        (self.distance.to_bits(), self.exact, self.pair)
-    }
-}
-
-impl PartialEq for Candidate {
-    fn eq(&self, other: &Self) -> bool {
-        self.key() == other.key()
-    }
-}
-
-impl Eq for Candidate {}
-
-impl PartialOrd for Candidate {
-    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for Candidate {
-    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
-        self.key().cmp(&other.key())
-    }
-}
-
 /// For each component of `from` the nearest one of `to`.
-fn nearest(parts: &[Part], from: &[u32], to: &[u32]) -> Vec<(f64, [u32; 2])> {
+fn nearest(parts: &[Part], from: &[u32], to: &[u32]) -> Vec<Measured> {
     let closest = |&a: &u32| {
         let others = to.iter().filter(|&&b| b != a);
         let found = others.map(|&b| (parts[a as usize].distance(&parts[b as usize]), [a.min(b), a.max(b)]));
@@ -248,7 +171,7 @@ fn nearest(parts: &[Part], from: &[u32], to: &[u32]) -> Vec<(f64, [u32; 2])> {
 }
 
 /// At most `count` of the points, spread evenly: the first, then always the one farthest from those taken.
-fn spread(points: &[Point3<f64>], count: usize) -> Vec<usize> {
+fn farthest_subset(points: &[Point3<f64>], count: usize) -> Vec<usize> {
     let mut taken = Vec::new();
     let mut distance = vec![f64::INFINITY; points.len()];
     let mut next = 0;

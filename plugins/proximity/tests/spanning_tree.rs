@@ -1,5 +1,7 @@
 //! The tree against brute force, and what settings do.
 
+use std::collections::BTreeSet;
+
 use mimesh_core::{
     mesh::{Mesh, Part, Surface},
     stage::{ComponentRef, Proximity, ProximityGraph},
@@ -7,11 +9,7 @@ use mimesh_core::{
 };
 use mimesh_proximity::spanning_tree::SpanningTree;
 use nalgebra::Point3;
-use petgraph::{
-    algo::min_spanning_tree,
-    data::Element,
-    graph::{NodeIndex, UnGraph},
-};
+use proptest::prelude::*;
 
 /// `count` small triangles or tetrahedra; on a grid of whole numbers if `ties`, so that many distances are equal.
 fn scattered(seed: u64, count: usize, ties: bool) -> Surface {
@@ -30,8 +28,8 @@ fn scattered(seed: u64, count: usize, ties: bool) -> Surface {
     Surface::from_triangles(positions, triangles).unwrap()
 }
 
-/// All distances between components, and the weight of petgraph's tree over them.
-fn brute_force(surface: &Surface) -> (Vec<Vec<f64>>, f64) {
+/// The shortest distance between vertices of each two components.
+fn distances(surface: &Surface) -> Vec<Vec<f64>> {
     let components = surface.components();
     let n = components.count();
     let mut distance = vec![vec![f64::INFINITY; n]; n];
@@ -43,38 +41,56 @@ fn brute_force(surface: &Surface) -> (Vec<Vec<f64>>, f64) {
             }
         }
     }
-    let mut graph = UnGraph::<(), f64>::new_undirected();
-    for _ in 0..n {
-        graph.add_node(());
-    }
-    for (a, row) in distance.iter().enumerate() {
-        for (b, &d) in row.iter().enumerate().skip(a + 1) {
-            graph.add_edge(NodeIndex::new(a), NodeIndex::new(b), d);
-        }
-    }
-    let weight = min_spanning_tree(&graph)
-        .filter_map(|e| if let Element::Edge { weight, .. } = e { Some(weight) } else { None });
-    (distance.clone(), weight.sum())
+    distance
 }
 
 fn links(graph: &ProximityGraph) -> Vec<[u32; 2]> {
-    graph.links.iter().map(|link| link.components).collect()
+    graph.links().map(|link| link.components).collect()
 }
 
-#[test]
-fn the_tree_is_that_of_brute_force_on_a_hundred_sets_ties_included() {
-    for seed in 0..100 {
-        let surface = scattered(seed, 5 + seed as usize % 40, seed % 2 == 0);
-        let (distance, weight) = brute_force(&surface);
-        let graph = SpanningTree { epsilon_factor: 0.0, ..SpanningTree::default() }.proximity(&surface).unwrap();
-        let tree: Vec<_> = graph.links.iter().filter(|link| link.in_tree).collect();
-        assert_eq!(tree.len() + 1, surface.components().count(), "{seed}");
-        let found: f64 = tree.iter().map(|link| link.distance).sum();
-        // Distances are compared as computed, the sums in another order.
-        assert!((found - weight).abs() < 1e-9 * weight.max(1.0), "{seed}: {found} and {weight}");
-        for link in &graph.links {
+/// The tree of Kruskal 1956 over all pairs that are not forbidden, by distance and then by pair, lightest first.
+fn kruskal(distance: &[Vec<f64>], forbidden: &BTreeSet<[u32; 2]>) -> Vec<[u32; 2]> {
+    let count = distance.len() as u32;
+    let all = (0..count).flat_map(|a| (a + 1..count).map(move |b| [a, b]));
+    let mut pairs: Vec<[u32; 2]> = all.filter(|pair| !forbidden.contains(pair)).collect();
+    let of = |[a, b]: [u32; 2]| distance[a as usize][b as usize];
+    pairs.sort_by(|&p, &q| of(p).total_cmp(&of(q)).then(p.cmp(&q)));
+    let mut set: Vec<u32> = (0..count).collect();
+    let mut tree = Vec::new();
+    for [a, b] in pairs {
+        let [from, to] = [set[a as usize], set[b as usize]];
+        if from != to {
+            set.iter_mut().filter(|s| **s == from).for_each(|s| *s = to);
+            tree.push([a, b]);
+        }
+    }
+    tree
+}
+
+proptest! {
+    /// On the grid of whole numbers most distances are shared by many pairs, and exact.
+    #[test]
+    fn the_tree_is_kruskals_by_distance_and_pair(
+        seed: u64, count in 2usize..40, ties: bool, forbidden in prop::collection::btree_set((0u32..40, 0u32..40), 0..60)
+    ) {
+        let surface = scattered(seed, count, ties);
+        let distance = distances(&surface);
+        let count = distance.len() as u32;
+        let pairs = forbidden.into_iter().map(|(a, b)| [a.min(b), a.max(b)]);
+        let forbidden: BTreeSet<[u32; 2]> = pairs.filter(|[a, b]| a < b && *b < count).collect();
+        let forbid = forbidden.iter().map(|pair| pair.map(ComponentRef::Number)).collect();
+        let stage = SpanningTree { epsilon_factor: 0.0, forbid, ..SpanningTree::default() };
+        let mut expected = kruskal(&distance, &forbidden);
+        let Ok(graph) = stage.proximity(&surface) else {
+            prop_assert!(expected.len() + 1 < distance.len(), "refused, though {:?} joins all", expected);
+            return Ok(());
+        };
+        let tree: Vec<_> = graph.links().filter(|link| link.in_tree).collect();
+        expected.sort_unstable();
+        prop_assert_eq!(tree.iter().map(|link| link.components).collect::<Vec<_>>(), expected);
+        for link in tree {
             let [a, b] = link.components.map(|c| c as usize);
-            assert!((link.distance - distance[a][b]).abs() < 1e-12, "{seed}: link {a} {b}");
+            prop_assert!((link.distance - distance[a][b]).abs() < 1e-12, "{a} {b}");
         }
     }
 }
@@ -83,12 +99,12 @@ fn the_tree_is_that_of_brute_force_on_a_hundred_sets_ties_included() {
 fn more_links_are_those_as_close_as_the_rule_says() {
     for seed in 0..20 {
         let surface = scattered(seed, 30, false);
-        let (distance, _) = brute_force(&surface);
+        let distance = distances(&surface);
         let graph = SpanningTree::default().proximity(&surface).unwrap();
         // The longest edge of every component is √2.
         let epsilon = 1.5 * 2f64.sqrt();
         let mut reach = [0.0f64; 30];
-        for link in graph.links.iter().filter(|link| link.in_tree) {
+        for link in graph.links().filter(|link| link.in_tree) {
             link.components.iter().for_each(|&c| reach[c as usize] = reach[c as usize].max(link.distance));
         }
         for a in 0..30u32 {
@@ -118,14 +134,14 @@ fn links_are_forbidden_added_and_welded_by_name_or_number() {
 
     let forbidding = SpanningTree { forbid: vec![[ComponentRef::Number(b), ComponentRef::Number(a)]], ..near.clone() };
     let graph = forbidding.proximity(&surface).unwrap();
-    assert!(!links(&graph).contains(&[a, b]) && graph.links.iter().filter(|link| link.in_tree).count() == 3);
+    assert!(!links(&graph).contains(&[a, b]) && graph.links().filter(|link| link.in_tree).count() == 3);
 
     let absent =
         [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]].into_iter().find(|p| !links(&plain).contains(p)).unwrap();
     let names = ["head", "jaw", "eye", "tooth"];
     let asked = [name(names[absent[0] as usize]), name(names[absent[1] as usize])];
     let graph = SpanningTree { weld: vec![asked.clone()], ..near.clone() }.proximity(&surface).unwrap();
-    let welded = graph.links.iter().find(|link| link.components == absent).expect("the welded link");
+    let welded = graph.links().find(|link| link.components == absent).expect("the welded link");
     assert!(welded.stiffness > 1.0 && !welded.in_tree);
     assert!(links(&SpanningTree { add: vec![asked], ..near.clone() }.proximity(&surface).unwrap()).contains(&absent));
 
@@ -150,7 +166,7 @@ fn pairs_are_capped_and_spread_over_the_gap() {
     triangles.extend(bar.triangles.iter().map(|t| t.map(|v| v + n)));
     let surface = Surface::from_triangles(positions, triangles).unwrap();
     let graph = SpanningTree { max_pairs: 10, ..SpanningTree::default() }.proximity(&surface).unwrap();
-    let pairs = &graph.links[0].pairs;
+    let pairs = &graph.links().next().unwrap().pairs;
     assert_eq!(pairs.len(), 10);
     let xs: Vec<f64> = pairs.iter().map(|p| surface.positions[p[0] as usize].x).collect();
     let (low, high) = xs.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(*x), h.max(*x)));

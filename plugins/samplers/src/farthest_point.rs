@@ -7,6 +7,7 @@
 use mimesh_core::{
     Result,
     mesh::{Surface, SurfacePoint},
+    plugin::check_ranges,
     random::Random,
     register,
     spatial::EdgePaths,
@@ -28,11 +29,11 @@ pub struct FarthestPoint {
     pub count: usize,
     /// Chooses the first point.
     pub seed: u64,
-    /// What distance is.
+    /// The measure of distance.
     pub metric: Metric,
 }
 
-/// What distance is.
+/// The measure of distance.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Metric {
@@ -52,6 +53,7 @@ impl Default for FarthestPoint {
 #[typetag::serde(name = "farthest_point")]
 impl Sampler for FarthestPoint {
     fn sample(&self, surface: &Surface) -> Result<Vec<SurfacePoint>> {
+        check_ranges(self)?;
         let ground = Ground::new(surface)?;
         ground.check(self.count)?;
         let paths = match self.metric {

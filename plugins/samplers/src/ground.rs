@@ -56,9 +56,8 @@ impl Ground {
     ///
     /// # Errors
     ///
-    /// [`Error::Setting`] for 0, [`Error::Data`] if there are too few vertices.
+    /// [`Error::Data`] if there are too few vertices.
     pub fn check(&self, count: usize) -> Result<()> {
-        Error::check_setting("count", count as f64, 1.0, f64::INFINITY)?;
         if count > self.vertices.len() {
             return Err(too_few(count, self.vertices.len()));
         }

@@ -9,8 +9,9 @@
 use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
 
 use mimesh_core::{
-    Error, Result,
+    Result,
     mesh::{Surface, SurfacePoint},
+    plugin::check_ranges,
     random::Random,
     register,
     stage::Sampler,
@@ -48,12 +49,11 @@ impl Default for PoissonDisk {
 #[typetag::serde(name = "poisson_disk")]
 impl Sampler for PoissonDisk {
     fn sample(&self, surface: &Surface) -> Result<Vec<SurfacePoint>> {
-        Error::check_setting("oversampling", self.oversampling, 1.0, 100.0)?;
+        check_ranges(self)?;
         let ground = Ground::new(surface)?;
         if self.at_vertices {
             ground.check(self.count)?;
         }
-        Error::check_setting("count", self.count as f64, 1.0, f64::INFINITY)?;
         let (candidates, area) = self.candidates(surface, &ground);
         let places: Vec<_> = candidates.iter().map(|c| c.position(surface, &surface.positions)).collect();
         let component = |point: &SurfacePoint| ground.component(point.corners(surface)[0].0);

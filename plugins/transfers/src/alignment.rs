@@ -57,7 +57,7 @@ impl Alignment {
 /// The source points under target triangle `t` with their shares, which sum to 1: those of its corners if all are known,
 /// else the middle of its partner; `None` for an orphan.
 fn places(pair: TransferPair<'_>, map: &TriangleMap, t: usize) -> Option<Vec<(SurfacePoint, f64)>> {
-    let partner = map.partners[t]?;
+    let partner = map.triangles[t]?;
     let corners: Option<Vec<_>> =
         pair.target.triangles[t].iter().map(|&v| Some((map.points.get(v as usize).copied()??, 1.0 / 3.0))).collect();
     Some(corners.unwrap_or_else(|| vec![(SurfacePoint::Triangle(partner, [1.0 / 3.0; 3]), 1.0)]))

@@ -12,16 +12,17 @@ use mimesh_core::{
     Error, Figures, Result,
     mesh::{Surface, check_finite},
     operators::{DeformationGradients, voronoi_mass},
+    plugin::check_ranges,
     register,
     spatial::EdgePaths,
-    stage::{BoundTransfer, ComponentRef, Motion, Transfer, TransferPair, Transferred, TriangleMap},
+    stage::{BindInput, BoundTransfer, ComponentRef, Motion, Transfer, TransferPair, Transferred},
 };
 use nalgebra::{Matrix3, Point3, Vector3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    frames::{Frames, spread},
+    frames::{Frames, evenly_spaced},
     gradient::GradientTransfer,
     poisson::Poisson,
     unreferenced::Unreferenced,
@@ -61,10 +62,6 @@ impl Default for Blend {
 
 #[typetag::serde(name = "blend")]
 impl Transfer for Blend {
-    fn bind(&self, pair: TransferPair<'_>, map: &TriangleMap) -> Result<Box<dyn BoundTransfer>> {
-        self.bind_to_poses(pair, map, &[])
-    }
-
     fn needs_correspondence(&self) -> bool {
         self.parts.iter().any(|part| part.transfer.needs_correspondence())
     }
@@ -73,19 +70,15 @@ impl Transfer for Blend {
         self.parts.iter().map(|part| part.transfer.poses_wanted()).max().unwrap_or(0)
     }
 
-    fn bind_to_poses(
-        &self,
-        pair: TransferPair<'_>,
-        map: &TriangleMap,
-        poses: &[Vec<Point3<f64>>],
-    ) -> Result<Box<dyn BoundTransfer>> {
-        let target = pair.target;
-        let weights = self.weights(pair)?;
+    fn bind(&self, input: BindInput<'_>) -> Result<Box<dyn BoundTransfer>> {
+        check_ranges(self)?;
+        let target = input.pair.target;
+        let weights = self.weights(input.pair)?;
         let mut figures = Figures::default();
         let mut parts = Vec::with_capacity(self.parts.len());
         for (k, (part, weights)) in self.parts.iter().zip(&weights).enumerate() {
-            let seen = spread(poses, part.transfer.poses_wanted());
-            let bound = part.transfer.bind_to_poses(pair, map, &seen).map_err(|error| at(k, error))?;
+            let seen = evenly_spaced(input.poses, part.transfer.poses_wanted());
+            let bound = part.transfer.bind(BindInput { poses: &seen, ..input }).map_err(|error| at(k, error))?;
             let of_part = bound.figures();
             of_part.values.into_iter().for_each(|(name, value)| figures.set(&format!("{}_{name}", k + 1), value));
             figures.warnings.extend(of_part.warnings);
@@ -98,7 +91,7 @@ impl Transfer for Blend {
             parts,
             gradients: DeformationGradients::new(&target.positions, &target.triangles),
             triangles: target.triangles.clone(),
-            loose: Unreferenced::new(target),
+            unreferenced: Unreferenced::new(target),
             weights,
             members,
             poisson,
@@ -107,7 +100,7 @@ impl Transfer for Blend {
     }
 
     fn check(&self, pair: TransferPair<'_>) -> Result<()> {
-        Error::check_setting("border", self.border, 0.0, f64::INFINITY)?;
+        check_ranges(self)?;
         self.regions(pair.target)?;
         self.parts.iter().enumerate().try_for_each(|(k, part)| part.transfer.check(pair).map_err(|error| at(k, error)))
     }
@@ -254,9 +247,9 @@ struct Bound {
     /// φ of each part at each vertex.
     weights: Vec<Vec<f64>>,
     members: Members,
-    /// Where there is a mixed component.
+    /// The system to integrate gradients with; `None` if no component is mixed.
     poisson: Option<Poisson>,
-    loose: Unreferenced,
+    unreferenced: Unreferenced,
     figures: Figures,
 }
 
@@ -298,7 +291,7 @@ impl Bound {
                 members.iter().for_each(|&(v, _)| positions[v as usize] = integrated[v as usize] + (goal - found));
             }
         }
-        self.loose.place(|t| field[t], &mut positions);
+        self.unreferenced.place(|t| field[t], &mut positions);
         check_finite(&positions)?;
         let mut figures = Figures::default();
         for (k, result) in results.into_iter().enumerate() {

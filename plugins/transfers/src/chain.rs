@@ -10,14 +10,14 @@ use mimesh_core::{
     Error, Figures, Result,
     mesh::{Surface, SurfacePoint},
     register,
-    stage::{BoundTransfer, Marker, Motion, Transfer, TransferPair, Transferred, TriangleMap},
+    stage::{BindInput, BoundTransfer, Marker, Motion, Transfer, TransferPair, Transferred, TriangleMap},
 };
 use nalgebra::Point3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    frames::{Frames, spread},
+    frames::{Frames, evenly_spaced},
     gradient::GradientTransfer,
 };
 
@@ -41,10 +41,6 @@ impl Default for Chain {
 
 #[typetag::serde(name = "chain")]
 impl Transfer for Chain {
-    fn bind(&self, pair: TransferPair<'_>, map: &TriangleMap) -> Result<Box<dyn BoundTransfer>> {
-        self.bind_to_poses(pair, map, &[])
-    }
-
     fn needs_correspondence(&self) -> bool {
         self.transfers.first().is_none_or(|first| first.needs_correspondence())
     }
@@ -53,27 +49,24 @@ impl Transfer for Chain {
         self.transfers.iter().map(|transfer| transfer.poses_wanted()).max().unwrap_or(0)
     }
 
-    fn bind_to_poses(
-        &self,
-        pair: TransferPair<'_>,
-        map: &TriangleMap,
-        poses: &[Vec<Point3<f64>>],
-    ) -> Result<Box<dyn BoundTransfer>> {
+    fn bind(&self, input: BindInput<'_>) -> Result<Box<dyn BoundTransfer>> {
+        let pair = input.pair;
         let (first, others) = self.split()?;
         let mut figures = Figures::default();
-        let mut links = vec![link(0, first.as_ref(), pair, map, poses, &mut figures)?];
+        let mut links = vec![link(0, first.as_ref(), input, &mut figures)?];
         let markers = on_itself(pair.markers);
         let itself = TransferPair { source: pair.target, markers: &markers, ..pair };
         let identity = identity(pair.target);
-        let mut seen = poses.to_vec();
+        let mut seen = input.poses.to_vec();
         for (k, transfer) in others.iter().enumerate() {
             let later = others[k..].iter().map(|transfer| transfer.poses_wanted()).max().unwrap_or(0);
-            seen = spread(&seen, later);
+            seen = evenly_spaced(&seen, later);
             let before = &links[k];
             for pose in &mut seen {
                 *pose = before.transfer(pose)?.positions;
             }
-            links.push(link(k + 1, &**transfer, itself, &identity, &seen, &mut figures)?);
+            let next = BindInput { pair: itself, map: Some(&identity), poses: &seen };
+            links.push(link(k + 1, &**transfer, next, &mut figures)?);
         }
         Ok(Box::new(Bound { links, figures }))
     }
@@ -94,7 +87,7 @@ impl Chain {
     /// The first transfer and those after it.
     fn split(&self) -> Result<(&Link, &[Link])> {
         self.transfers.split_first().ok_or_else(|| Error::Setting {
-            setting: "transfers",
+            setting: "transfers".into(),
             expected: "one transfer or more".into(),
             found: "none".into(),
         })
@@ -105,13 +98,11 @@ impl Chain {
 fn link(
     k: usize,
     transfer: &dyn Transfer,
-    pair: TransferPair<'_>,
-    map: &TriangleMap,
-    poses: &[Vec<Point3<f64>>],
+    input: BindInput<'_>,
     figures: &mut Figures,
 ) -> Result<Box<dyn BoundTransfer>> {
-    let poses = spread(poses, transfer.poses_wanted());
-    let bound = transfer.bind_to_poses(pair, map, &poses).map_err(|error| at(k, error))?;
+    let poses = evenly_spaced(input.poses, transfer.poses_wanted());
+    let bound = transfer.bind(BindInput { poses: &poses, ..input }).map_err(|error| at(k, error))?;
     add(figures, k, bound.figures());
     Ok(bound)
 }
@@ -137,8 +128,8 @@ fn on_itself(markers: &[Marker]) -> Vec<Marker> {
 
 fn identity(target: &Surface) -> TriangleMap {
     TriangleMap {
-        source_triangles: target.triangle_count(),
-        partners: (0..target.triangle_count() as u32).map(Some).collect(),
+        source_triangle_count: target.triangle_count(),
+        triangles: (0..target.triangle_count() as u32).map(Some).collect(),
         points: (0..target.vertex_count() as u32).map(|v| Some(SurfacePoint::Vertex(v))).collect(),
         ..TriangleMap::default()
     }

@@ -6,7 +6,7 @@ use mimesh_core::{
     operators::DeformationGradients,
     register,
     spatial::{Orientation, Similarity},
-    stage::{BoundTransfer, Transfer, TransferPair, Transferred, TriangleMap},
+    stage::{BindInput, BoundTransfer, Transfer, Transferred},
 };
 use nalgebra::Point3;
 use schemars::JsonSchema;
@@ -18,7 +18,7 @@ register!(Transfer: CopyDisplacement);
 
 /// Adds to each target vertex the displacement of its source point, turned and scaled to the target: x̃ = x + s R (ũ − u).
 ///
-/// What most tools do. Fine for small shapes such as wrinkles; it stretches and shears whatever rotates. A baseline to
+/// Most tools do this. It is fine for small shapes such as wrinkles; it stretches and shears what rotates. A baseline to
 /// compare with, for targets of any number of components.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema, Serialize)]
 #[serde(default, deny_unknown_fields)]
@@ -29,7 +29,8 @@ pub struct CopyDisplacement {
 
 #[typetag::serde(name = "copy_displacement")]
 impl Transfer for CopyDisplacement {
-    fn bind(&self, pair: TransferPair<'_>, map: &TriangleMap) -> Result<Box<dyn BoundTransfer>> {
+    fn bind(&self, input: BindInput<'_>) -> Result<Box<dyn BoundTransfer>> {
+        let (pair, map) = (input.pair, input.require_map()?);
         let points = map.source_points(pair)?;
         let target_from_source = Alignment::new(pair, map, self.orientation).target_from_source;
         Ok(Box::new(Bound {
@@ -37,7 +38,7 @@ impl Transfer for CopyDisplacement {
             rest: pair.target.positions.clone(),
             points,
             gradients: DeformationGradients::new(&pair.target.positions, &pair.target.triangles),
-            loose: Unreferenced::new(pair.target),
+            unreferenced: Unreferenced::new(pair.target),
             target_from_source,
         }))
     }
@@ -49,7 +50,7 @@ struct Bound {
     rest: Vec<Point3<f64>>,
     points: Vec<SurfacePoint>,
     gradients: DeformationGradients,
-    loose: Unreferenced,
+    unreferenced: Unreferenced,
     target_from_source: Similarity,
 }
 
@@ -65,7 +66,7 @@ impl BoundTransfer for Bound {
         };
         let mut positions: Vec<_> = self.rest.iter().zip(&self.points).map(moved).collect();
         let moved = positions.clone();
-        self.loose.place(|t| self.gradients.of_triangle(t, &moved), &mut positions);
+        self.unreferenced.place(|t| self.gradients.of_triangle(t, &moved), &mut positions);
         check_finite(&positions)?;
         Ok(Transferred { positions, figures: Figures::default() })
     }

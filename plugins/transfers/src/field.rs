@@ -14,10 +14,10 @@ use petgraph::unionfind::UnionFind;
 
 /// A triangle of source points serves if its shape (area over squared edges) is at least this part of the target
 /// triangle's: below, points have been swept together and the quotient of small edges is noise.
-const LEAST_SHAPE: f64 = 0.2;
+const MIN_SHAPE: f64 = 0.2;
 
 /// A partner with a smaller relative height gives no gradient: the quotient of its height before and after is noise.
-const NEEDLE: f64 = 1e-4;
+const MIN_RELATIVE_HEIGHT: f64 = 1e-4;
 
 /// Gives each target triangle a deformation gradient for each pose of the source.
 ///
@@ -68,15 +68,16 @@ impl Field {
 
         let source_normals = source.area_normals(&source.positions);
         let point_normals = target.area_normals(&at_points);
-        let is_needle = |p: u32| relative_height(&source.corners(&source.positions, p as usize)) < NEEDLE;
+        let is_too_flat =
+            |p: u32| relative_height(&source.corners(&source.positions, p as usize)) < MIN_RELATIVE_HEIGHT;
         let origin = |t: usize| {
-            let Some(partner) = map.partners[t].filter(|&p| !is_needle(p)) else {
+            let Some(partner) = map.triangles[t].filter(|&p| !is_too_flat(p)) else {
                 return Origin::Orphan;
             };
             let all_known = target.triangles[t].iter().all(|&v| known(v).is_some());
             let same_way = point_normals[t].dot(&source_normals[partner as usize]) > 0.0;
             let at_rest = shape(&target.corners(&target.positions, t));
-            let sound = shape(&target.corners(&at_points, t)) > LEAST_SHAPE * at_rest && of_points.is_defined(t);
+            let sound = shape(&target.corners(&at_points, t)) > MIN_SHAPE * at_rest && of_points.is_defined(t);
             if use_points && all_known && same_way && sound { Origin::Points } else { Origin::Partner(partner) }
         };
         let origins: Vec<_> = (0..target.triangle_count()).map(origin).collect();

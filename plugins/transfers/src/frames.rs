@@ -29,7 +29,7 @@ impl<'a> Frames<'a> {
 }
 
 /// At most `wanted` of `poses`, spread over all.
-pub fn spread(poses: &[Vec<Point3<f64>>], wanted: usize) -> Vec<Vec<Point3<f64>>> {
+pub fn evenly_spaced(poses: &[Vec<Point3<f64>>], wanted: usize) -> Vec<Vec<Point3<f64>>> {
     let count = poses.len().min(wanted);
     (0..count).map(|k| poses[k * poses.len() / count].clone()).collect()
 }

@@ -19,9 +19,10 @@
 use mimesh_core::{
     Error, Figures, Result,
     mesh::check_finite,
+    plugin::check_ranges,
     register,
     spatial::{Orientation, Similarity},
-    stage::{BoundTransfer, Transfer, TransferPair, Transferred, TriangleMap},
+    stage::{BindInput, BoundTransfer, Transfer, TransferPair, Transferred},
 };
 use nalgebra::Point3;
 use schemars::JsonSchema;
@@ -36,11 +37,11 @@ register!(Transfer: GradientTransfer);
 
 /// Carries the deformation gradients of the source to the target (Sumner and Popović 2004).
 ///
-/// For targets of one connected piece.
+/// It takes targets of one connected piece.
 #[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct GradientTransfer {
-    /// Where the deformation of a target triangle is taken from.
+    /// The origin of the deformation of a target triangle.
     pub sampling: Sampling,
     /// How triangles of the target count against each other.
     pub weighting: Weighting,
@@ -51,7 +52,7 @@ pub struct GradientTransfer {
     /// ε: how far from the source's a deformation gradient may be (Frobenius norm) before its triangle counts less.
     #[schemars(range(min = 1e-6))]
     pub tolerance: f64,
-    /// What fixes the global translation.
+    /// The rule that fixes the global translation.
     pub placement: Placement,
     /// How source and target are turned to each other at rest.
     pub orientation: Orientation,
@@ -70,14 +71,14 @@ impl Default for GradientTransfer {
     }
 }
 
-/// Where the deformation of a target triangle is taken from.
+/// The origin of the deformation of a target triangle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Sampling {
-    /// From the source points under its three corners where they are known, else from its partner.
+    /// The source points under its three corners where they are known, else its partner.
     #[default]
     Points,
-    /// From its partner, as in the paper.
+    /// Its partner, as in the paper.
     Triangles,
 }
 
@@ -94,9 +95,10 @@ pub enum Weighting {
 
 #[typetag::serde(name = "gradient")]
 impl Transfer for GradientTransfer {
-    fn bind(&self, pair: TransferPair<'_>, map: &TriangleMap) -> Result<Box<dyn BoundTransfer>> {
+    fn bind(&self, input: BindInput<'_>) -> Result<Box<dyn BoundTransfer>> {
+        let pair = input.pair;
         self.check(pair)?;
-        map.check(pair)?;
+        let map = input.require_map()?;
         let alignment = Alignment::new(pair, map, self.orientation);
         let similarity = alignment.target_from_source;
         let field = Field::new(pair, map, similarity.rotation, self.sampling == Sampling::Points, &[])?;
@@ -104,20 +106,19 @@ impl Transfer for GradientTransfer {
             Weighting::Area => area,
             Weighting::Uniform => 1.0,
         })?;
-        let placement = self.placement.bind(pair, map, alignment)?;
+        let placement = self.placement.bind(pair, alignment)?;
         Ok(Box::new(Bound {
             settings: self.clone(),
             field,
             poisson,
             placement,
-            loose: Unreferenced::new(pair.target),
+            unreferenced: Unreferenced::new(pair.target),
             figures: figures(&similarity),
         }))
     }
 
     fn check(&self, pair: TransferPair<'_>) -> Result<()> {
-        Error::check_setting("reweightings", self.reweightings as f64, 0.0, 100.0)?;
-        Error::check_setting("tolerance", self.tolerance, 1e-6, f64::INFINITY)?;
+        check_ranges(self)?;
         check_connected(pair)
     }
 }
@@ -159,7 +160,7 @@ struct Bound {
     field: Field,
     poisson: Poisson,
     placement: BoundPlacement,
-    loose: Unreferenced,
+    unreferenced: Unreferenced,
     figures: Figures,
 }
 
@@ -170,7 +171,7 @@ impl BoundTransfer for Bound {
         let field = self.field.at(posed);
         let mut solution = self.poisson.solve(&field, self.settings.reweightings, self.settings.tolerance)?;
         self.placement.apply(posed, &mut solution.positions);
-        self.loose.place(|t| field[t], &mut solution.positions);
+        self.unreferenced.place(|t| field[t], &mut solution.positions);
         check_finite(&solution.positions)?;
         let mut figures = Figures::default();
         figures.set("gradient_residual", solution.residual);
@@ -185,8 +186,8 @@ impl BoundTransfer for Bound {
         figures.set("triangles_by_points", points);
         figures.set("triangles_by_partner", partners);
         figures.set("orphan_triangles", orphans);
-        if self.loose.count() > 0 {
-            figures.set("loose_vertices", self.loose.count());
+        if self.unreferenced.count() > 0 {
+            figures.set("loose_vertices", self.unreferenced.count());
         }
         figures
     }

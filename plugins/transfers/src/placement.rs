@@ -1,14 +1,11 @@
-use mimesh_core::{
-    Error, Result,
-    stage::{TransferPair, TriangleMap},
-};
+use mimesh_core::{Error, Result, stage::TransferPair};
 use nalgebra::{Point3, Vector3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::alignment::Alignment;
 
-/// What fixes the global translation, which deformation gradients leave free.
+/// The rule that fixes the global translation, which deformation gradients leave free.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, JsonSchema, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Placement {
@@ -29,8 +26,7 @@ impl Placement {
     /// # Errors
     ///
     /// [`Error::Data`] if there are no markers to follow, or [`Error::Setting`] if an anchor does not exist.
-    pub fn bind(&self, pair: TransferPair<'_>, map: &TriangleMap, alignment: Alignment) -> Result<BoundPlacement> {
-        map.check(pair)?;
+    pub fn bind(&self, pair: TransferPair<'_>, alignment: Alignment) -> Result<BoundPlacement> {
         let (source, target) = (pair.source, pair.target);
         let (source_points, target_points): (Weighted, Weighted) = match self {
             Self::Motion | Self::Rest => (vec![], vec![]),
@@ -49,7 +45,7 @@ impl Placement {
                 let used = |v: u32| target.triangles.iter().flatten().any(|&w| w == target.vertex_of[v as usize]);
                 if vertices.is_empty() || vertices.iter().any(|&v| v as usize >= count || !used(v)) {
                     return Err(Error::Setting {
-                        setting: "placement.anchor",
+                        setting: "placement.anchor".into(),
                         expected: format!("vertices from 0 to {} that belong to a polygon", count - 1),
                         found: format!("{vertices:?}"),
                     });

@@ -13,7 +13,7 @@ use nalgebra::{Matrix3, Point3};
 const DEGENERATE_WEIGHT: f64 = 1e-4;
 
 /// Reweighting stops once a step lowers the energy by less than this part of it.
-const CONVERGED: f64 = 1e-3;
+const MIN_ENERGY_DECREASE: f64 = 1e-3;
 
 /// Minimises Σ_t w_t ρ(‖(F̂_t − F_t) P_t‖) over the posed vertices of a surface, for any number of fields F̂.
 ///
@@ -25,8 +25,8 @@ const CONVERGED: f64 = 1e-3;
 #[derive(Debug)]
 pub struct Poisson {
     factored: Cholesky,
-    /// The lower triangle's values for ties alone.
-    ties: Vec<f64>,
+    /// The values of the lower triangle for the regularization alone.
+    regularization: Vec<f64>,
     elements: Vec<Element>,
     rest: Vec<Point3<f64>>,
     /// For each vertex its unknown; `None` for anchors and for vertices without a triangle.
@@ -43,8 +43,8 @@ struct Element {
     gradient: Option<Gradient>,
     /// w_t; 0 if it has no area.
     weight: f64,
-    /// What a field multiplies into the right-hand side of each corner, times the weight: gᵢ as columns.
-    pull: Matrix3<f64>,
+    /// The factor of a field in the right-hand side of each corner, times the weight: gᵢ as columns.
+    rhs: Matrix3<f64>,
     /// Where the pairs of corners [`PAIRS`] lie among the values of the matrix.
     entries: [Option<u32>; 6],
 }
@@ -72,14 +72,14 @@ impl Poisson {
         let (unknown, anchor) = unknowns(target);
         let mut elements: Vec<_> =
             target.triangles.iter().map(|&corners| Element::new(target, corners, &weight)).collect();
-        // Relative to cotangents, so that ties have the same effect whatever the weights.
+        // Relative to cotangents, so that the regularization has the same effect whatever the weights.
         let area: f64 = elements.iter().filter_map(|e| Some(e.gradient?.area)).sum();
         let scale = area / elements.iter().map(|e| e.weight).sum::<f64>();
         elements.iter_mut().for_each(|e| e.weight *= scale);
 
         let mut pattern = Assembly::new(unknown.iter().flatten().count());
         for element in &mut elements {
-            let value = if element.gradient.is_none() { element.tie(&target.positions) } else { 0.0 };
+            let value = if element.gradient.is_none() { element.regularize(&target.positions) } else { 0.0 };
             for (a, b) in PAIRS {
                 if let (Some(i), Some(j)) = (unknown[element.corners[a] as usize], unknown[element.corners[b] as usize])
                 {
@@ -96,7 +96,7 @@ impl Poisson {
             }
         }
         let matrix = pattern.finish();
-        let (starts, rows, ties) = matrix.csc_data();
+        let (starts, rows, regularization) = matrix.csc_data();
         for element in &mut elements {
             element.entries = PAIRS.map(|(a, b)| {
                 let (i, j) = (unknown[element.corners[a] as usize]?, unknown[element.corners[b] as usize]?);
@@ -105,13 +105,13 @@ impl Poisson {
                 Some((starts[column] + place) as u32)
             });
         }
-        let ties = ties.to_vec();
-        let mut values = ties.clone();
+        let regularization = regularization.to_vec();
+        let mut values = regularization.clone();
         add_stiffness(&elements, |_| 1.0, &mut values);
         let mut matrix = matrix;
         matrix.values_mut().copy_from_slice(&values);
         let factored = Cholesky::new(matrix, "the system of the target's deformation gradients")?;
-        Ok(Self { factored, ties, elements, rest: target.positions.clone(), unknown, anchor })
+        Ok(Self { factored, regularization, elements, rest: target.positions.clone(), unknown, anchor })
     }
 
     /// The posed vertices for the field `field` (#F): least squares, then at most `steps` reweightings with ε = `epsilon`.
@@ -135,14 +135,14 @@ impl Poisson {
         let mut energies = vec![energy(&residuals)];
         for _ in 0..steps {
             let weight = |t: usize| epsilon / (residuals[t] * residuals[t] + epsilon * epsilon).sqrt();
-            let mut values = self.ties.clone();
+            let mut values = self.regularization.clone();
             add_stiffness(&self.elements, weight, &mut values);
             let factored = self.factored.with_values(&values)?;
             positions = self.solve_weighted(&factored, field, weight);
             residuals = self.residuals(field, &positions);
             let (before, now) = (energies[energies.len() - 1], energy(&residuals));
             energies.push(now);
-            if before - now <= CONVERGED * before {
+            if before - now <= MIN_ENERGY_DECREASE * before {
                 break;
             }
         }
@@ -159,7 +159,7 @@ impl Poisson {
         let n = system.size();
         let mut x = vec![0.0; 3 * n];
         for (t, (element, f)) in self.elements.iter().zip(field).enumerate() {
-            let b = f * element.pull * if element.gradient.is_some() { element.weight * weight(t) } else { 1.0 };
+            let b = f * element.rhs * if element.gradient.is_some() { element.weight * weight(t) } else { 1.0 };
             for (k, &v) in element.corners.iter().enumerate() {
                 if let Some(i) = self.unknown[v as usize] {
                     (0..3).for_each(|c| x[c * n + i as usize] += b[(c, k)]);
@@ -191,17 +191,17 @@ impl Poisson {
 impl Element {
     fn new(target: &Surface, corners: [u32; 3], weight: impl Fn(f64) -> f64) -> Self {
         let gradient = gradients(&target.positions, &[corners])[0];
-        let pull = gradient.map_or_else(Matrix3::zeros, |g| g.of_corners);
-        Self { corners, gradient, weight: gradient.map_or(0.0, |g| weight(g.area)), pull, entries: [None; 6] }
+        let rhs = gradient.map_or_else(Matrix3::zeros, |g| g.of_corners);
+        Self { corners, gradient, weight: gradient.map_or(0.0, |g| weight(g.area)), rhs, entries: [None; 6] }
     }
 
     /// Holds the edges of a triangle without area; returns their weight.
-    fn tie(&mut self, rest: &[Point3<f64>]) -> f64 {
+    fn regularize(&mut self, rest: &[Point3<f64>]) -> f64 {
         for (a, b) in [(0, 1), (1, 2), (2, 0)] {
             let edge = (rest[self.corners[a] as usize] - rest[self.corners[b] as usize]) * DEGENERATE_WEIGHT;
-            let (at_a, at_b) = (self.pull.column(a) + edge, self.pull.column(b) - edge);
-            self.pull.set_column(a, &at_a);
-            self.pull.set_column(b, &at_b);
+            let (at_a, at_b) = (self.rhs.column(a) + edge, self.rhs.column(b) - edge);
+            self.rhs.set_column(a, &at_a);
+            self.rhs.set_column(b, &at_b);
         }
         DEGENERATE_WEIGHT
     }

@@ -3,8 +3,10 @@
 use mimesh_core::{
     Figures,
     mesh::{Surface, SurfacePoint},
+    plugin::stage_of,
     stage::{
-        BoundTransfer, ComponentRef, Link, Marker, ProximityGraph, Transfer, TransferPair, Transferred, TriangleMap,
+        BindInput, BoundTransfer, ComponentRef, Link, Marker, ProximityGraph, Transfer, TransferPair, Transferred,
+        TriangleMap,
     },
     testkit::{meshes, random::Random},
 };
@@ -16,6 +18,7 @@ use mimesh_transfers::{
     multi_component::MultiComponent,
 };
 use nalgebra::{Point3, Rotation3, Vector3};
+use schemars::generate::SchemaSettings;
 
 /// Three bars in a row along x, with gaps of 0.2.
 fn row() -> Surface {
@@ -41,13 +44,13 @@ fn linked(surface: &Surface) -> ProximityGraph {
         Link { components: [c, c + 1], distance: 0.2, in_tree: true, stiffness: 1.0, pairs }
     };
     let links = vec![link(0), link(1)];
-    ProximityGraph { components, links, figures: Default::default() }
+    ProximityGraph::new(components, links, Default::default()).unwrap()
 }
 
 fn identity_map(surface: &Surface) -> TriangleMap {
     TriangleMap {
-        source_triangles: surface.triangle_count(),
-        partners: (0..surface.triangle_count() as u32).map(Some).collect(),
+        source_triangle_count: surface.triangle_count(),
+        triangles: (0..surface.triangle_count() as u32).map(Some).collect(),
         ..TriangleMap::default()
     }
 }
@@ -58,7 +61,7 @@ fn run(stage: &dyn Transfer, surface: &Surface, map: &TriangleMap, posed: &[Poin
         .map(|v| Marker { name: v.to_string(), source: SurfacePoint::Vertex(v), target: SurfacePoint::Vertex(v) })
         .into();
     let pair = TransferPair { source: surface, target: surface, markers: &markers, proximity: Some(&graph) };
-    stage.bind(pair, map).unwrap().transfer(posed).unwrap().positions
+    stage.bind(BindInput::new(pair, map)).unwrap().transfer(posed).unwrap().positions
 }
 
 fn bent(positions: &[Point3<f64>], angle: f64) -> Vec<Point3<f64>> {
@@ -85,7 +88,7 @@ struct Mover;
 
 #[typetag::serde(name = "test_mover")]
 impl Transfer for Mover {
-    fn bind(&self, _: TransferPair<'_>, _: &TriangleMap) -> mimesh_core::Result<Box<dyn BoundTransfer>> {
+    fn bind(&self, _: BindInput<'_>) -> mimesh_core::Result<Box<dyn BoundTransfer>> {
         Ok(Box::new(Self))
     }
 }
@@ -124,14 +127,14 @@ fn a_component_that_corresponds_to_nothing_goes_where_the_initial_transfer_bring
     let surface = row();
     let mut map = identity_map(&surface);
     let last = surface.components();
-    for (partner, t) in map.partners.iter_mut().zip(&surface.triangles) {
+    for (partner, t) in map.triangles.iter_mut().zip(&surface.triangles) {
         *partner = partner.filter(|_| last.of_vertex[t[0] as usize] != Some(2));
     }
     // The source parts the last bar from the others, which gaps of known length do not do.
     let away = |(v, p): (usize, &Point3<f64>)| if last.of_vertex[v] == Some(2) { p + Vector3::x() * 0.5 } else { *p };
     let posed: Vec<_> = surface.positions.iter().enumerate().map(away).collect();
     let gap = |found: &[Point3<f64>]| {
-        let ends = linked(&surface).links[1].pairs[0];
+        let ends = linked(&surface).links().nth(1).unwrap().pairs[0];
         (found[ends[0] as usize] - found[ends[1] as usize]).norm()
     };
     let alone = run(&MultiComponent::default(), &surface, &map, &posed);
@@ -140,6 +143,17 @@ fn a_component_that_corresponds_to_nothing_goes_where_the_initial_transfer_bring
     let initial = Some(Box::new(Mover) as Box<dyn Transfer>);
     let followed = run(&MultiComponent { initial, ..MultiComponent::default() }, &surface, &map, &posed);
     assert!((gap(&followed) - 0.7).abs() < 1e-6, "it follows: {}", gap(&followed));
+}
+
+#[test]
+fn the_slot_for_an_initial_transfer_declares_defaults_of_biharmonic() {
+    for inline in [false, true] {
+        let settings = SchemaSettings::draft2020_12().with(|settings| settings.inline_subschemas = inline);
+        let schema = settings.into_generator().into_root_schema_for::<MultiComponent>().to_value();
+        let slot = &schema["properties"]["initial"];
+        assert_eq!(stage_of(slot), Some("transfer"));
+        assert_eq!(slot["x-defaults"]["biharmonic"], serde_json::json!({ "weights": { "type": "biharmonic" } }));
+    }
 }
 
 #[test]

@@ -4,7 +4,7 @@ use mimesh_core::{
     Error,
     mesh::{Mesh, Surface, SurfacePoint},
     spatial::{Orientation, Similarity},
-    stage::{Marker, Transfer, TransferPair, Transferred, TriangleMap},
+    stage::{BindInput, Marker, Transfer, TransferPair, Transferred, TriangleMap},
     testkit::{meshes, random::Random},
 };
 use mimesh_transfers::{
@@ -20,8 +20,8 @@ fn bar() -> Surface {
 
 fn identity_map(source: &Surface) -> TriangleMap {
     TriangleMap {
-        source_triangles: source.triangle_count(),
-        partners: (0..source.triangle_count() as u32).map(Some).collect(),
+        source_triangle_count: source.triangle_count(),
+        triangles: (0..source.triangle_count() as u32).map(Some).collect(),
         ..TriangleMap::default()
     }
 }
@@ -38,7 +38,8 @@ fn run(
     map: &TriangleMap,
     posed: &[Point3<f64>],
 ) -> Transferred {
-    stage.bind(TransferPair { source, target, markers: &[], proximity: None }, map).unwrap().transfer(posed).unwrap()
+    let pair = TransferPair { source, target, markers: &[], proximity: None };
+    stage.bind(BindInput::new(pair, map)).unwrap().transfer(posed).unwrap()
 }
 
 fn largest_distance(a: &[Point3<f64>], b: &[Point3<f64>]) -> f64 {
@@ -101,8 +102,8 @@ fn source_points_carry_a_bend_to_another_mesh_of_the_same_bar() {
     let search = mimesh_core::spatial::ClosestPoint::new(&source.positions, &source.triangles).unwrap();
     let at = |p: &Point3<f64>| search.find(p, f64::INFINITY, |_| true).unwrap();
     let map = TriangleMap {
-        source_triangles: source.triangle_count(),
-        partners: target.barycentres(&target.positions).iter().map(|p| Some(at(p).triangle)).collect(),
+        source_triangle_count: source.triangle_count(),
+        triangles: target.barycentres(&target.positions).iter().map(|p| Some(at(p).triangle)).collect(),
         points: target
             .positions
             .iter()
@@ -130,7 +131,7 @@ fn orphans_follow_their_neighbours() {
     let middle = |t: &[u32; 3]| t.iter().map(|&v| bar.positions[v as usize].x).sum::<f64>() / 3.0;
     let xs: Vec<_> = bar.triangles.iter().map(middle).collect();
     let low = xs.iter().copied().fold(f64::INFINITY, f64::min);
-    for (partner, x) in map.partners.iter_mut().zip(&xs) {
+    for (partner, x) in map.triangles.iter_mut().zip(&xs) {
         if (x - low - 2.0).abs() < 0.8 {
             *partner = None;
         }
@@ -184,7 +185,7 @@ fn placements_put_what_they_name_where_they_say() {
     let with = |placement| {
         let stage = GradientTransfer { placement, ..GradientTransfer::default() };
         let pair = TransferPair { source: &bar, target: &bar, markers: &markers, proximity: None };
-        stage.bind(pair, &identity_map(&bar)).unwrap().transfer(&pose).unwrap().positions
+        stage.bind(BindInput::new(pair, &identity_map(&bar))).unwrap().transfer(&pose).unwrap().positions
     };
     assert!(largest_distance(&with(Placement::Motion), &pose) < 1e-9);
     assert!(largest_distance(&with(Placement::Markers), &pose) < 1e-9);
@@ -204,18 +205,21 @@ fn a_target_of_several_components_is_refused_with_the_loose_ones_named() {
     }];
     let surface = Surface::new(&mesh).unwrap();
     let pair = TransferPair { source: &surface, target: &surface, markers: &[], proximity: None };
-    let error = GradientTransfer::default().bind(pair, &identity_map(&surface)).unwrap_err();
+    let error = GradientTransfer::default().bind(BindInput::new(pair, &identity_map(&surface))).unwrap_err();
     assert!(error.to_string().starts_with("the target has 2 components"), "{error}");
     assert!(error.to_string().contains("left shoe"), "{error}");
     assert!(error.hint().is_some_and(|hint| hint.contains("multi_component")));
-    assert!(CopyDisplacement::default().bind(pair, &identity_map(&surface)).is_ok(), "the baseline takes any target");
+    assert!(
+        CopyDisplacement::default().bind(BindInput::new(pair, &identity_map(&surface))).is_ok(),
+        "the baseline takes any target"
+    );
 }
 
 #[test]
 fn a_map_for_other_meshes_is_refused() {
     let (bar, sphere) = (bar(), meshes::icosphere(1));
     let pair = TransferPair { source: &bar, target: &sphere, markers: &[], proximity: None };
-    let error = GradientTransfer::default().bind(pair, &identity_map(&bar)).unwrap_err();
+    let error = GradientTransfer::default().bind(BindInput::new(pair, &identity_map(&bar))).unwrap_err();
     assert!(matches!(error, Error::Shape { .. }), "{error}");
 }
 

@@ -2,12 +2,12 @@
 
 use mimesh_core::{
     mesh::Surface,
-    stage::{ComponentRef, Link, ProximityGraph, Transfer, TransferPair, Transferred, TriangleMap},
+    stage::{BindInput, ComponentRef, Link, ProximityGraph, Transfer, TransferPair, Transferred, TriangleMap},
     testkit::{meshes, random::Random},
 };
 use mimesh_transfers::{
     gradient::GradientTransfer,
-    multi_component::{Gaps, MultiComponent, Orphans, Plant},
+    multi_component::{FootContact, Gaps, MultiComponent, Orphans},
 };
 use nalgebra::{Point3, Rotation3, Vector3};
 
@@ -39,17 +39,13 @@ fn linked(surface: &Surface) -> ProximityGraph {
         Link { components: [c, c + 1], distance: 0.2, in_tree: true, stiffness: 1.0, pairs }
     };
     let count = components.count() as u32;
-    ProximityGraph {
-        components: surface.components(),
-        links: (0..count - 1).map(link).collect(),
-        figures: Default::default(),
-    }
+    ProximityGraph::new(surface.components(), (0..count - 1).map(link).collect(), Default::default()).unwrap()
 }
 
 fn identity_map(surface: &Surface) -> TriangleMap {
     TriangleMap {
-        source_triangles: surface.triangle_count(),
-        partners: (0..surface.triangle_count() as u32).map(Some).collect(),
+        source_triangle_count: surface.triangle_count(),
+        triangles: (0..surface.triangle_count() as u32).map(Some).collect(),
         ..TriangleMap::default()
     }
 }
@@ -58,7 +54,7 @@ fn identity_map(surface: &Surface) -> TriangleMap {
 fn without(surface: &Surface, component: u32) -> TriangleMap {
     let components = surface.components();
     let mut map = identity_map(surface);
-    for (partner, t) in map.partners.iter_mut().zip(&surface.triangles) {
+    for (partner, t) in map.triangles.iter_mut().zip(&surface.triangles) {
         *partner = partner.filter(|_| components.of_vertex[t[0] as usize] != Some(component));
     }
     map
@@ -67,7 +63,7 @@ fn without(surface: &Surface, component: u32) -> TriangleMap {
 fn run(stage: &MultiComponent, surface: &Surface, map: &TriangleMap, posed: &[Point3<f64>]) -> Transferred {
     let graph = linked(surface);
     let pair = TransferPair { source: surface, target: surface, markers: &[], proximity: Some(&graph) };
-    stage.bind(pair, map).unwrap().transfer(posed).unwrap()
+    stage.bind(BindInput::new(pair, map)).unwrap().transfer(posed).unwrap()
 }
 
 fn bent(positions: &[Point3<f64>], angle: f64) -> Vec<Point3<f64>> {
@@ -154,7 +150,7 @@ fn orphan_components_are_counted_and_named() {
     surface.part_of = surface.triangles.iter().map(|t| components.of_vertex[t[0] as usize].unwrap_or(0)).collect();
     let graph = linked(&surface);
     let pair = TransferPair { source: &surface, target: &surface, markers: &[], proximity: Some(&graph) };
-    let figures = MultiComponent::default().bind(pair, &without(&surface, 1)).unwrap().figures();
+    let figures = MultiComponent::default().bind(BindInput::new(pair, &without(&surface, 1))).unwrap().figures();
     assert_eq!(figures.number("orphan_components"), Some(1.0));
     let triangles = surface.triangle_count() as f64 / 3.0;
     assert_eq!(figures.number("orphan_triangles"), Some(triangles));
@@ -177,7 +173,7 @@ fn the_energy_never_rises_over_fifty_random_runs() {
         let energy = |max_steps| {
             let stage = MultiComponent { gaps, max_steps, tolerance: 0.0, ..MultiComponent::default() };
             let pair = TransferPair { source: &surface, target: &surface, markers: &[], proximity: Some(&graph) };
-            stage.bind(pair, &map).unwrap().transfer(&pose).unwrap().figures.number("energy").unwrap()
+            stage.bind(BindInput::new(pair, &map)).unwrap().transfer(&pose).unwrap().figures.number("energy").unwrap()
         };
         let energies: Vec<_> = (1..8).map(energy).collect();
         for pair in energies.windows(2) {
@@ -207,9 +203,9 @@ fn a_connected_target_moves_as_least_squares_gradient_does() {
     let pose = bent(&surface.positions, 0.4);
     let map = identity_map(&surface);
     let pair = TransferPair { source: &surface, target: &target, markers: &[], proximity: None };
-    let several = MultiComponent::default().bind(pair, &map).unwrap().transfer(&pose).unwrap();
+    let several = MultiComponent::default().bind(BindInput::new(pair, &map)).unwrap().transfer(&pose).unwrap();
     let squares = GradientTransfer { reweightings: 0, ..GradientTransfer::default() };
-    let one = squares.bind(pair, &map).unwrap().transfer(&pose).unwrap();
+    let one = squares.bind(BindInput::new(pair, &map)).unwrap().transfer(&pose).unwrap();
     // Edges are held by 1e-9 beside cotangents of about 1.
     assert!(largest_distance(&several.positions, &one.positions) < 1e-7);
 }
@@ -218,7 +214,7 @@ fn a_connected_target_moves_as_least_squares_gradient_does() {
 fn without_a_graph_several_components_are_refused_with_a_way_out() {
     let surface = row(2);
     let pair = TransferPair { source: &surface, target: &surface, markers: &[], proximity: None };
-    let error = MultiComponent::default().bind(pair, &identity_map(&surface)).unwrap_err();
+    let error = MultiComponent::default().bind(BindInput::new(pair, &identity_map(&surface))).unwrap_err();
     assert_eq!(error.to_string(), "the target has 2 components and nothing says how they lie to each other");
     assert!(error.hint().is_some_and(|hint| hint.contains("spanning_tree")));
 }
@@ -240,7 +236,7 @@ fn frames(
 ) -> Vec<Transferred> {
     let graph = linked(surface);
     let pair = TransferPair { source: surface, target: surface, markers: &[], proximity: Some(&graph) };
-    let bound = stage.bind(pair, map).unwrap();
+    let bound = stage.bind(BindInput::new(pair, map)).unwrap();
     let mut motion = bound.motion().expect("frames of one motion");
     poses.iter().enumerate().map(|(k, pose)| motion.frame(k, pose).unwrap()).collect()
 }
@@ -260,11 +256,14 @@ fn frames_that_start_from_the_one_before_end_lower_after_as_many_steps() {
     let alone = MultiComponent::default();
     let graph = linked(&surface);
     let pair = TransferPair { source: &surface, target: &surface, markers: &[], proximity: Some(&graph) };
-    assert!(alone.bind(pair, &map).unwrap().motion().is_none(), "poses stand alone unless asked otherwise");
+    assert!(
+        alone.bind(BindInput::new(pair, &map)).unwrap().motion().is_none(),
+        "poses stand alone unless asked otherwise"
+    );
 }
 
 #[test]
-fn plants_stand_still_in_their_frames_and_the_target_walks_on_after_them() {
+fn foot_contacts_stand_still_in_their_frames_and_the_target_walks_on_after_them() {
     let surface = row(3);
     let end = |x: f64| -> Vec<u32> {
         (0..surface.vertex_count() as u32).filter(|&v| (surface.positions[v as usize].x - x).abs() < 1e-9).collect()
@@ -274,37 +273,40 @@ fn plants_stand_still_in_their_frames_and_the_target_walks_on_after_them() {
     let mean = |vertices: &[u32], positions: &[Point3<f64>]| {
         vertices.iter().map(|&v| positions[v as usize].coords).sum::<Vector3<f64>>() / vertices.len() as f64
     };
-    let plant = |vertices: &[u32], frames| Plant { vertices: vertices.to_vec(), frames, ..Plant::default() };
+    let contact =
+        |vertices: &[u32], frames| FootContact { vertices: vertices.to_vec(), frames, ..FootContact::default() };
     let poses = walk(&surface, 8);
-    let stage =
-        MultiComponent { plants: vec![plant(&left, [1, 4]), plant(&right, [3, 5])], ..MultiComponent::default() };
+    let stage = MultiComponent {
+        foot_contacts: vec![contact(&left, [1, 4]), contact(&right, [3, 5])],
+        ..MultiComponent::default()
+    };
     let results = frames(&stage, &surface, &identity_map(&surface), &poses);
-    assert!(largest_distance(&results[0].positions, &poses[0]) < 1e-9, "no plant holds yet");
+    assert!(largest_distance(&results[0].positions, &poses[0]) < 1e-9, "no contact holds yet");
     let at = |vertices: &[u32], k: usize| mean(vertices, &results[k].positions);
-    // A plant that holds alone is met exactly but for rounding, two together up to the ridge of 1e-9.
+    // A contact that holds alone is met exactly but for rounding, two together up to the ridge of 1e-9.
     (2..=4).for_each(|k| assert!((at(&left, k) - at(&left, 1)).norm() < 1e-6, "left at {k}"));
     (4..=5).for_each(|k| assert!((at(&right, k) - at(&right, 3)).norm() < 1e-6, "right at {k}"));
     assert!((at(&left, 5) - at(&left, 4)).norm() > 1e-3, "the left one is free again");
     let all: Vec<u32> = (0..surface.vertex_count() as u32).collect();
     let way = at(&all, 7) - at(&all, 6);
     let of_source = mean(&all, &poses[7]) - mean(&all, &poses[6]);
-    assert!((way - of_source).norm() < 0.02, "free of plants it walks as the source does: {way:?}, {of_source:?}");
+    assert!((way - of_source).norm() < 0.02, "free of contacts it walks as the source does: {way:?}, {of_source:?}");
 }
 
 #[test]
-fn plants_that_hold_nothing_are_refused_in_the_users_words() {
+fn foot_contacts_that_hold_nothing_are_refused_in_the_users_words() {
     let surface = row(2);
     let graph = linked(&surface);
     let pair = TransferPair { source: &surface, target: &surface, markers: &[], proximity: Some(&graph) };
-    let refused = |plant: Plant| {
-        let stage = MultiComponent { plants: vec![plant], ..MultiComponent::default() };
+    let refused = |contact: FootContact| {
+        let stage = MultiComponent { foot_contacts: vec![contact], ..MultiComponent::default() };
         stage.check(pair).unwrap_err().to_string()
     };
-    assert!(refused(Plant::default()).contains("expected `vertices` or `markers` that stand still"));
-    let far = Plant { vertices: vec![100_000], ..Plant::default() };
+    assert!(refused(FootContact::default()).contains("expected `vertices` or `markers` that stand still"));
+    let far = FootContact { vertices: vec![100_000], ..FootContact::default() };
     assert!(refused(far).contains("found 100000"));
-    let backwards = Plant { vertices: vec![0], frames: [4, 2], ..Plant::default() };
+    let backwards = FootContact { vertices: vec![0], frames: [4, 2], ..FootContact::default() };
     assert!(refused(backwards).contains("found [4, 2]"));
-    let unknown = Plant { markers: vec!["hoof".into()], ..Plant::default() };
+    let unknown = FootContact { markers: vec!["hoof".into()], ..FootContact::default() };
     assert!(refused(unknown).contains("found hoof"));
 }

@@ -10,6 +10,7 @@
 use mimesh_core::{
     Figures, Result,
     mesh::{Surface, SurfacePoint},
+    plugin::check_ranges,
     register,
     stage::{BoundWeights, HandlePoints, HandleWeights, ProximityGraph, Weights},
 };
@@ -48,6 +49,7 @@ impl Weights for Biharmonic {
         points: &[SurfacePoint],
         proximity: Option<&ProximityGraph>,
     ) -> Result<Box<dyn BoundWeights>> {
+        check_ranges(self)?;
         let points = HandlePoints::new(surface, points)?;
         let domain = Domain::new(surface, proximity, self.bridge)?;
         let energy = |group: &_| Bilaplacian::new(group).matrix;

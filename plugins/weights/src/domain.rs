@@ -1,4 +1,4 @@
-//! What the energies of weights are made of: the parts of a surface that influence passes through, their Laplacian and mass.
+//! The domain of weights: the parts of a surface that influence passes through, with their Laplacian and mass.
 
 use mimesh_core::{
     Error, Figures, Result,
@@ -14,17 +14,17 @@ use petgraph::unionfind::UnionFind;
 
 /// A triangle counts with at least this height over its longest edge, relative to that edge: cotangents stay below the inverse,
 /// beyond which the bilaplacian has no digits left. Sound triangles are far above.
-const LEAST_HEIGHT: f64 = 1e-3;
+const MIN_HEIGHT: f64 = 1e-3;
 
 /// A vertex has at least this part of the mean mass of its group. One whose triangles are points would have none, and its row of
 /// M⁻¹ no value.
-const LEAST_MASS: f64 = 1e-6;
+const MIN_MASS: f64 = 1e-6;
 
 /// The weight of an edge over a triangle that is a point or has a corner twice: about that between equilateral triangles.
-const TIE: f64 = 0.5;
+const DEGENERATE_EDGE_WEIGHT: f64 = 0.5;
 
 /// The most that the stiffness of a link multiplies its bridges by: enough to hold both ends together to 1 %.
-const MOST_STIFFNESS: f64 = 100.0;
+const MAX_STIFFNESS: f64 = 100.0;
 
 /// A surface divided into groups of vertices between which no influence passes.
 #[derive(Debug)]
@@ -48,7 +48,7 @@ pub struct Group {
     pub vertices: Vec<u32>,
     /// L of these vertices, its lower triangle; without unit.
     pub laplacian: CscMatrix<f64>,
-    /// The diagonal of M over `mean_mass`, at least [`LEAST_MASS`].
+    /// The diagonal of M over `mean_mass`, at least [`MIN_MASS`].
     pub mass: Vec<f64>,
     /// The mean of M, an area; 1 if there is none.
     pub mean_mass: f64,
@@ -59,16 +59,16 @@ impl Domain {
     /// Divides `surface`; components that `proximity` links are joined by an edge of weight `bridge` × the stiffness of the link
     /// at each pair, in units of the median cotangent weight of the surface.
     pub fn new(surface: &Surface, proximity: Option<&ProximityGraph>, bridge: f64) -> Result<Self> {
-        Error::check_setting("bridge", bridge, 0.0, f64::INFINITY)?;
         proximity.map_or(Ok(()), |graph| graph.check(surface))?;
         let n = surface.vertex_count();
         let Shapes { laplacian, mass, ties, has_area } = shapes(surface);
-        let mut edges: Vec<(usize, usize, f64)> = ties.iter().map(|&[a, b]| (a as usize, b as usize, TIE)).collect();
+        let mut edges: Vec<(usize, usize, f64)> =
+            ties.iter().map(|&[a, b]| (a as usize, b as usize, DEGENERATE_EDGE_WEIGHT)).collect();
         let mut bridges = Vec::new();
         if bridge > 0.0 {
             let unit = bridge * median_weight(&laplacian);
-            for link in proximity.iter().flat_map(|graph| &graph.links) {
-                let weight = unit * link.stiffness.clamp(0.0, MOST_STIFFNESS);
+            for link in proximity.into_iter().flat_map(ProximityGraph::links) {
+                let weight = unit * link.stiffness.clamp(0.0, MAX_STIFFNESS);
                 edges.extend(link.pairs.iter().map(|&[a, b]| (a as usize, b as usize, weight)));
                 bridges.extend(&link.pairs);
             }
@@ -105,7 +105,7 @@ impl Domain {
         let groups = vertices.into_iter().zip(assemblies).map(|(vertices, assembly)| {
             let sum: f64 = vertices.iter().map(|&v| mass[v as usize]).sum();
             let mean_mass = if sum > 0.0 { sum / vertices.len() as f64 } else { 1.0 };
-            let relative = vertices.iter().map(|&v| (mass[v as usize] / mean_mass).max(LEAST_MASS)).collect();
+            let relative = vertices.iter().map(|&v| (mass[v as usize] / mean_mass).max(MIN_MASS)).collect();
             let has_area = vertices.iter().any(|&v| has_area[v as usize]);
             Group { laplacian: assembly.finish(), mass: relative, mean_mass, has_area, vertices }
         });
@@ -150,7 +150,7 @@ impl Domain {
         ))
     }
 
-    /// What there is to say of it.
+    /// The report on the domain.
     pub fn figures(&self) -> Figures {
         let mut figures = Figures::default();
         figures.set("separate_groups_of_vertices", self.groups.len());
@@ -161,7 +161,7 @@ impl Domain {
 
     /// Vertices that no handle reaches, since they have no triangle or only such without area, each with the nearest vertex of a
     /// group that has handles.
-    pub fn followers(&self, handles: &[Vec<usize>]) -> Result<Vec<[u32; 2]>> {
+    pub fn unreached(&self, handles: &[Vec<usize>]) -> Result<Vec<[u32; 2]>> {
         let is_reached =
             |v: &u32| self.place[*v as usize].is_some_and(|(group, _)| !handles[group as usize].is_empty());
         let (reached, left): (Vec<u32>, Vec<u32>) = (0..self.place.len() as u32).partition(is_reached);
@@ -170,12 +170,12 @@ impl Domain {
         }
         let places: Vec<_> = reached.iter().map(|&v| self.surface.positions[v as usize]).collect();
         let nearest = Nearest::new(&places)?;
-        let follow = |v: u32| [v, reached[nearest.find(&self.surface.positions[v as usize]).0 as usize]];
-        Ok(left.into_iter().map(follow).collect())
+        let with_nearest = |v: u32| [v, reached[nearest.find(&self.surface.positions[v as usize]).0 as usize]];
+        Ok(left.into_iter().map(with_nearest).collect())
     }
 }
 
-/// What the triangles of a surface give its vertices.
+/// Sums over the triangles of a surface at its vertices.
 struct Shapes {
     laplacian: CscMatrix<f64>,
     mass: Vec<f64>,
@@ -220,9 +220,9 @@ fn shapes(surface: &Surface) -> Shapes {
     Shapes { laplacian: assembly.finish(), mass, ties, has_area }
 }
 
-/// A triangle with at least [`LEAST_HEIGHT`]; `None` for a point.
+/// A triangle with at least [`MIN_HEIGHT`]; `None` for a point.
 fn lifted(points: [Point3<f64>; 3]) -> Option<[Point3<f64>; 3]> {
-    if relative_height(&points) >= LEAST_HEIGHT {
+    if relative_height(&points) >= MIN_HEIGHT {
         return Some(points);
     }
     let edge = |k: usize| points[(k + 2) % 3] - points[(k + 1) % 3];
@@ -231,7 +231,7 @@ fn lifted(points: [Point3<f64>; 3]) -> Option<[Point3<f64>; 3]> {
     let along = edge(apex).try_normalize(0.0)?.dot(&(points[apex] - points[(apex + 1) % 3]));
     let mut flat = [Point3::origin(); 3];
     flat[(apex + 2) % 3].x = length;
-    flat[apex] = Point3::new(along.clamp(0.0, length), LEAST_HEIGHT * length, 0.0);
+    flat[apex] = Point3::new(along.clamp(0.0, length), MIN_HEIGHT * length, 0.0);
     Some(flat)
 }
 

@@ -5,8 +5,9 @@
 //! and as smooth as paths are; a baseline. Bridged components are as far apart as the ends of their bridges.
 
 use mimesh_core::{
-    Error, Figures, Result,
+    Figures, Result,
     mesh::{Surface, SurfacePoint},
+    plugin::check_ranges,
     register,
     spatial::EdgePaths,
     stage::{BoundWeights, HandlePoints, HandleWeights, ProximityGraph, Weights},
@@ -43,7 +44,7 @@ impl Weights for GeodesicFalloff {
         points: &[SurfacePoint],
         proximity: Option<&ProximityGraph>,
     ) -> Result<Box<dyn BoundWeights>> {
-        Error::check_setting("power", self.power, 1.0, 16.0)?;
+        check_ranges(self)?;
         let points = HandlePoints::new(surface, points)?;
         // The strength of bridges does not matter here, only that there are some.
         let domain = Domain::new(surface, proximity, 1.0)?;
@@ -84,7 +85,7 @@ impl BoundWeights for Bound {
                 own.iter().for_each(|&other| matrix[(v, other)] = f64::from(u8::from(other == h)));
             }
         }
-        for [v, by] in self.domain.followers(&by_group)? {
+        for [v, by] in self.domain.unreached(&by_group)? {
             let row = matrix.row(by as usize).into_owned();
             matrix.set_row(v as usize, &row);
         }

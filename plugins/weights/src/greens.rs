@@ -101,7 +101,7 @@ impl Greens {
                 group.vertices.iter().zip(&column).for_each(|(&v, &w)| matrix[(v as usize, handle)] = w);
             }
         }
-        for [v, by] in self.domain.followers(&by_group)? {
+        for [v, by] in self.domain.unreached(&by_group)? {
             let row = matrix.row(by as usize).into_owned();
             matrix.set_row(v as usize, &row);
         }
@@ -112,7 +112,7 @@ impl Greens {
         Ok(HandleWeights { matrix, figures })
     }
 
-    /// What was found while binding.
+    /// The report of binding.
     pub fn figures(&self) -> Figures {
         self.domain.figures()
     }

@@ -1,6 +1,7 @@
 //! Laws of the weights, and known answers on small meshes.
 
 use mimesh_core::{
+    Figures,
     linalg::{Assembly, FixedUnknowns},
     mesh::{Mesh, Part, Surface, SurfacePoint},
     operators::{cotangent_laplacian, voronoi_mass},
@@ -297,7 +298,7 @@ fn stronger_bridges_hold_components_closer_together() {
     let two = meshes::two_components();
     let pairs = vec![[0, 42], [5, 47], [9, 51]];
     let link = Link { components: [0, 1], distance: 1.0, in_tree: true, stiffness: 1.0, pairs: pairs.clone() };
-    let graph = ProximityGraph { links: vec![link], ..ProximityGraph::unlinked(&two) };
+    let graph = ProximityGraph::new(two.components(), vec![link], Figures::default()).unwrap();
     let points = [3, 11, 70].map(SurfacePoint::Vertex);
     for name in ["bounded_biharmonic", "biharmonic", "harmonic"] {
         let mut last = f64::INFINITY;

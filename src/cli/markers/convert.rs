@@ -1,18 +1,22 @@
+//! `mimesh markers convert`: markers in another notation.
+
+use mimesh_core::mesh::MeshPoint;
+use mimesh_markers::{AttachedMarkers, MarkerFile, MarkerFiles};
+use mimesh_pipeline::text::count;
 use serde_json::json;
 
-use super::{Common, percent, told};
-use crate::{
-    cli::{Ended, terminal},
-    core::mesh::SurfacePoint,
-    markers::{MarkerFile, MarkerFiles, given::OnMeshes},
+use crate::cli::{
+    CommandResult,
+    markers::{Common, percent, written_lines},
     status::Status,
-    text::count,
+    terminal,
 };
 
-/// Writes markers in another notation, and tells how far points lay off their mesh.
+/// Writes markers in another notation, and reports the distances of points to their mesh.
 ///
-/// Reads .cons and .yaml (both sides in one file); MeshLab's .pp, Wrap's .json and .txt, named points as .csv and .json (a
-/// file a side). Writes them too: `{side}` in the name stands for `source` and `target`.
+/// Files of pairs are .cons and .yaml. Files of points, one for each side, are MeshLab's .pp, Wrap's .json and .txt,
+/// and named points as .csv or .json. The command reads and writes them all. In the name of files to write, `{side}`
+/// stands for `source` and `target`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   mimesh markers convert horse.pp camel.pp pairs.yaml --source horse.obj --target camel.obj
@@ -21,10 +25,10 @@ use crate::{
 pub struct Convert {
     #[command(flatten)]
     common: Common,
-    /// Bring points in another usual unit (100, 0.01, 1000, …), or with Y and Z exchanged, to the mesh
+    /// Fit points in another unit (a factor of 100, 0.01, 1000, …) or with Y and Z exchanged to the mesh
     #[arg(long)]
     fit: bool,
-    /// Subtract 1 from the vertices and triangles of this side of a .cons or .yaml
+    /// Subtract 1 from the numbers of vertices and triangles of this side of a .cons or .yaml
     #[arg(long, value_name = "SIDE")]
     from_one: Option<FromOne>,
 }
@@ -38,69 +42,69 @@ enum FromOne {
 
 impl Convert {
     /// Runs the command.
-    pub fn run(&self) -> Ended {
+    pub fn run(&self) -> CommandResult {
         let loaded = self.common.load()?;
-        let mut found = loaded.markers(self.fit)?;
+        let mut attached = loaded.markers(self.fit)?;
         if let Some(sides) = self.from_one
             && matches!(loaded.files, MarkerFiles::One(_))
         {
-            found.markers = counted_from_zero(&found.markers, sides);
+            attached.markers = counted_from_zero(&attached.markers, sides);
         }
-        let [source, target] = loaded.sides();
-        // Points that are to be found have no place yet; the others must be on their meshes.
-        let complete = found.markers.entries.iter().filter(|entry| entry.target.is_some()).cloned().collect();
-        MarkerFile { entries: complete, ..MarkerFile::default() }.resolve(source, target)?;
-        found.remember(source, target, loaded.mesh_files())?;
-        let written = self.common.write(&loaded, &found.markers)?;
+        // Pairs without a target are still incomplete; the others must be on their meshes.
+        let complete = attached.markers.pairs.iter().filter(|pair| pair.target.is_some()).cloned().collect();
+        MarkerFile { pairs: complete, ..MarkerFile::default() }.resolve(loaded.meshes())?;
+        attached.markers.record_positions(loaded.meshes(), loaded.mesh_files());
+        let written = self.common.write(&loaded, &attached.markers)?;
         if self.common.json {
             terminal::print_json(&json!({
-                "markers": found.markers.entries.len(),
-                "source": side_json(&found, 0), "target": side_json(&found, 1), "written": written,
+                "markers": attached.markers.pairs.len(),
+                "source": side_json(&attached, 0), "target": side_json(&attached, 1), "written": written,
             }));
         } else {
-            let mut text = format!("{}\n", count(found.markers.entries.len(), "marker", "markers"));
-            (0..2).for_each(|k| text.push_str(&side_text(&found, k)));
-            terminal::print(&(text + &told(&written)));
+            let mut text = format!("{}\n", count(attached.markers.pairs.len(), "marker", "markers"));
+            (0..2).for_each(|k| text.push_str(&side_text(&attached, k)));
+            terminal::print(&(text + &written_lines(&written)));
         }
         Ok(Status::Done)
     }
 }
 
+/// The markers with numbers that count from 0, if those of `sides` count from 1.
 fn counted_from_zero(markers: &MarkerFile, sides: FromOne) -> MarkerFile {
-    // A 0 that cannot be counted down is out of every range afterwards, and told so.
-    let down = |point: SurfacePoint| match point {
-        SurfacePoint::Vertex(vertex) => SurfacePoint::Vertex(vertex.wrapping_sub(1)),
-        SurfacePoint::Triangle(triangle, at) => SurfacePoint::Triangle(triangle.wrapping_sub(1), at),
+    // A 0 wraps around to a number that no mesh has, and is reported as such.
+    let minus_one = |point: MeshPoint| match point {
+        MeshPoint::Vertex(vertex) => MeshPoint::Vertex(vertex.wrapping_sub(1)),
+        MeshPoint::Triangle(triangle, weights) => MeshPoint::Triangle(triangle.wrapping_sub(1), weights),
     };
     let mut markers = markers.clone();
-    for entry in &mut markers.entries {
+    for pair in &mut markers.pairs {
         if sides != FromOne::Target {
-            entry.source = down(entry.source);
+            pair.source = minus_one(pair.source);
         }
         if sides != FromOne::Source {
-            entry.target = entry.target.map(down);
+            pair.target = pair.target.map(minus_one);
         }
     }
     markers
 }
 
-/// How far the points of a side lay off its surface, in a line.
-fn side_text(found: &OnMeshes, k: usize) -> String {
+/// The distances of the points of side `k` to its surface, in a line.
+fn side_text(attached: &AttachedMarkers, k: usize) -> String {
     let side = ["source", "target"][k];
-    let distances = &found.distances[k];
+    let distances = &attached.distances[k];
     let Some((name, farthest)) = distances.iter().max_by(|a, b| a.1.total_cmp(&b.1)) else { return String::new() };
     let mean = distances.iter().map(|(_, distance)| distance).sum::<f64>() / distances.len() as f64;
-    let usual = found.usual[k].map_or(String::new(), |usual| format!(" ({usual})"));
+    let unit_axes = attached.unit_axes[k].map_or(String::new(), |unit_axes| format!(" ({unit_axes})"));
     format!(
-        "{side}: {} by position{usual}; off the surface by {} of the diagonal in the mean, {} at most ({name})\n",
+        "{side}: {} by position{unit_axes}; off the surface by {} of the diagonal on average, at most {} ({name})\n",
         distances.len(),
         percent(mean),
         percent(*farthest)
     )
 }
 
-fn side_json(found: &OnMeshes, k: usize) -> serde_json::Value {
+fn side_json(attached: &AttachedMarkers, k: usize) -> serde_json::Value {
     let points: Vec<_> =
-        found.distances[k].iter().map(|(name, distance)| json!({ "name": name, "distance": distance })).collect();
-    json!({ "by_position": points, "fitted": found.usual[k].map(|usual| usual.to_string()) })
+        attached.distances[k].iter().map(|(name, distance)| json!({ "name": name, "distance": distance })).collect();
+    json!({ "by_position": points, "fitted": attached.unit_axes[k].map(|unit_axes| unit_axes.to_string()) })
 }

@@ -1,16 +1,19 @@
+//! `mimesh markers mirror`: markers completed across planes of symmetry.
+
+use mimesh_markers::{Outcome, Plane, mirror};
 use serde_json::json;
 
-use super::{Common, percent, told};
-use crate::{
-    cli::{Ended, terminal},
-    markers::mirror::{self, Outcome, Plane},
+use crate::cli::{
+    CommandResult,
+    markers::{Common, percent, written_lines},
     status::Status,
+    terminal,
 };
 
-/// Adds the mirror partners that markers lack, across the plane of symmetry of each mesh.
+/// Adds missing mirror partners of markers, across the plane of symmetry of each mesh.
 ///
-/// A partner is the closest place to the mirrored position, on both sides; left and right change in its name. Pairs on the
-/// plane are left alone. Mirroring again adds nothing.
+/// The partner of a marker is the point closest to its mirrored position, on both meshes. Its name has left and right
+/// exchanged. Markers on the plane are left alone. Mirroring again adds nothing.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   mimesh markers mirror half.yaml whole.yaml --pipeline horse-to-camel.yaml
@@ -18,16 +21,16 @@ use crate::{
 pub struct Mirror {
     #[command(flatten)]
     common: Common,
-    /// The axis across which both meshes are symmetric
+    /// The axis perpendicular to the plane of symmetry
     #[arg(long, value_name = "AXIS", default_value = "x")]
     axis: Axis,
-    /// The axis of the target, if it is another
+    /// The axis for the target [default: that of --axis]
     #[arg(long, value_name = "AXIS")]
     target_axis: Option<Axis>,
-    /// Where the plane of the source crosses the axis, in its unit [default: the middle of its bounding box]
+    /// The position of the source's plane on the axis, in the source's unit [default: the middle of its bounding box]
     #[arg(long, value_name = "LENGTH", allow_negative_numbers = true)]
     source_offset: Option<f64>,
-    /// Where the plane of the target crosses the axis, in its unit [default: the middle of its bounding box]
+    /// The position of the target's plane on the axis, in the target's unit [default: the middle of its bounding box]
     #[arg(long, value_name = "LENGTH", allow_negative_numbers = true)]
     target_offset: Option<f64>,
 }
@@ -41,27 +44,27 @@ enum Axis {
 
 impl Mirror {
     /// Runs the command.
-    pub fn run(&self) -> Ended {
+    pub fn run(&self) -> CommandResult {
         let loaded = self.common.load()?;
-        let mut found = loaded.markers(false)?;
-        let sides = loaded.sides();
-        found.markers.resolve(sides[0], sides[1])?;
+        let mut attached = loaded.markers(false)?;
+        let meshes = loaded.meshes();
+        attached.markers.resolve(meshes)?;
         let axes = [self.axis, self.target_axis.unwrap_or(self.axis)];
         let offsets = [self.source_offset, self.target_offset];
         let planes = [0, 1].map(|k| {
-            let middle = Plane::middle(sides[k], axes[k] as usize);
+            let middle = Plane::middle(meshes[k], axes[k] as usize);
             Plane { offset: offsets[k].unwrap_or(middle.offset), ..middle }
         });
-        let mirrored = mirror::mirror(&found.markers, sides, planes)?;
-        let names: Vec<String> = (0..mirrored.markers.entries.len()).map(|i| mirrored.markers.name(i)).collect();
-        found.markers = mirrored.markers;
-        found.remember(sides[0], sides[1], loaded.mesh_files())?;
-        let written = self.common.write(&loaded, &found.markers)?;
-        let of = |wanted: fn(&Outcome) -> bool| mirrored.outcomes.iter().filter(|outcome| wanted(outcome)).count();
-        let added = of(|outcome| matches!(outcome, Outcome::Added(..)));
-        let on_plane = of(|outcome| matches!(outcome, Outcome::OnPlane));
-        let paired = of(|outcome| matches!(outcome, Outcome::Partner(_)));
-        let left = of(|outcome| matches!(outcome, Outcome::Left(_)));
+        let mirrored = mirror(&attached.markers, meshes, planes)?;
+        let names: Vec<String> = (0..mirrored.markers.pairs.len()).map(|i| mirrored.markers.name(i)).collect();
+        attached.markers = mirrored.markers;
+        attached.markers.record_positions(meshes, loaded.mesh_files());
+        let written = self.common.write(&loaded, &attached.markers)?;
+        let count = |is_counted: fn(&Outcome) -> bool| mirrored.outcomes.iter().filter(|o| is_counted(o)).count();
+        let added = count(|outcome| matches!(outcome, Outcome::Added(..)));
+        let on_plane = count(|outcome| matches!(outcome, Outcome::OnPlane));
+        let paired = count(|outcome| matches!(outcome, Outcome::Partner(_)));
+        let left = count(|outcome| matches!(outcome, Outcome::Left(_)));
         if self.common.json {
             let pair = |(i, outcome): (usize, &Outcome)| match outcome {
                 Outcome::OnPlane => json!({ "marker": names[i], "on_plane": true }),
@@ -75,7 +78,8 @@ impl Mirror {
             }));
         } else {
             let mut text = format!(
-                "{added} added, {paired} have a partner, {on_plane} lie on the plane, {left} left alone; {} markers now\n",
+                "{added} added, {paired} have a partner, {on_plane} lie on the plane, {left} left alone; \
+                 {} markers now\n",
                 names.len()
             );
             for (i, outcome) in mirrored.outcomes.iter().enumerate() {
@@ -91,7 +95,7 @@ impl Mirror {
                     Outcome::OnPlane | Outcome::Partner(_) => {}
                 }
             }
-            terminal::print(&(text + &told(&written)));
+            terminal::print(&(text + &written_lines(&written)));
         }
         Ok(Status::Done)
     }

@@ -1,21 +1,26 @@
-use std::path::PathBuf;
+//! `mimesh markers reattach`: markers carried to edited meshes.
 
+use std::path::{Path, PathBuf};
+
+use mimesh_document::{
+    diagnostic::{Diagnostics, Result},
+    files::hash_file,
+};
+use mimesh_markers::{MarkerFile, MeshRole, Move, PointSource, reattach};
 use serde_json::json;
 
-use super::{Common, percent, read_mesh, told};
-use crate::{
-    cli::{Ended, terminal},
-    diagnostic::{Diagnostics, Result},
-    markers::{MarkerFile, given, reattach},
-    pipeline::hash_file,
+use crate::cli::{
+    CommandResult,
+    markers::{Common, percent, read_mesh, written_lines},
     status::Status,
+    terminal,
 };
 
-/// Carries markers to meshes that were edited, by where their points were.
+/// Carries markers to edited meshes, by the positions of their points.
 ///
-/// Give the edited meshes, and with --old-source or --old-target the meshes that the markers were made on; without these,
-/// a .yaml is taken at its word where its points were (`at`). A point goes to the vertex that lies where it was, else to
-/// the closest place of the surface.
+/// Give the edited meshes, and the meshes that the markers were made on with --old-source and --old-target. Without the
+/// latter, a .yaml gives the positions (`at`). A point goes to the vertex at its position, else to the closest point of
+/// the surface.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   mimesh markers reattach pairs.yaml new.yaml --pipeline horse-to-camel.yaml
@@ -33,49 +38,49 @@ pub struct Reattach {
 
 impl Reattach {
     /// Runs the command.
-    pub fn run(&self) -> Ended {
+    pub fn run(&self) -> CommandResult {
         let loaded = self.common.load()?;
-        let mut markers = match given::read(&loaded.files)? {
-            given::Given::Both(markers) => markers,
-            given::Given::Sides(_) => loaded.markers(false)?.markers,
+        let mut markers = match PointSource::read(&loaded.files)? {
+            PointSource::Pairs(markers) => markers,
+            PointSource::Sides(_) => loaded.markers(false)?.markers,
         };
-        let [source, target] = loaded.sides();
         let files = loaded.mesh_files();
-        let olds = [&self.old_source, &self.old_target];
+        let old_files = [&self.old_source, &self.old_target];
         let mut moves = vec![];
         let mut diagnostics = vec![];
-        for (k, side) in [source, target].into_iter().enumerate() {
-            let old = olds[k].as_ref().map(|file| read_mesh(file)).transpose()?;
-            if old.is_none() && !has_changed(&markers, side.name, files[k], olds[1 - k].is_some()) {
+        for (k, mesh) in loaded.meshes().into_iter().enumerate() {
+            let old = old_files[k].as_ref().map(|file| read_mesh(file)).transpose()?;
+            if old.is_none() && !has_changed(&markers, mesh.role, files[k], old_files[1 - k].is_some()) {
                 moves.push(vec![]);
                 continue;
             }
-            let old = old.as_ref().map(|old| old.for_markers(side.name));
-            match reattach::reattach(&mut markers, old, side, self.common.force) {
-                Ok(of_side) => moves.push(of_side),
-                Err(failure) => diagnostics.extend(failure.diagnostics),
+            let old = old.as_ref().map(|old| old.for_markers(mesh.role));
+            match reattach(&mut markers, old, mesh, self.common.force) {
+                Ok(side) => moves.push(side),
+                Err(failure) => diagnostics.extend(failure.list),
             }
         }
         if !diagnostics.is_empty() {
-            return Err(Diagnostics { diagnostics });
+            return Err(Diagnostics { list: diagnostics });
         }
-        given::remember(&mut markers, source, target, files)?;
+        markers.record_positions(loaded.meshes(), files);
         let written = self.common.write(&loaded, &markers)?;
         self.report(&moves, &written)?;
         Ok(Status::Done)
     }
 
-    fn report(&self, moves: &[Vec<reattach::Move>], written: &[PathBuf]) -> Result<()> {
+    /// Prints the moves of each side and the written files.
+    fn report(&self, moves: &[Vec<Move>], written: &[PathBuf]) -> Result<()> {
         let sides = ["source", "target"].into_iter().zip(moves);
         if self.common.json {
-            let of = |moved: &reattach::Move| {
+            let move_json = |moved: &Move| {
                 json!({
                     "marker": moved.name, "from": [moved.from.x, moved.from.y, moved.from.z],
                     "moved": moved.distance, "doubt": moved.doubt,
                 })
             };
             let sides: serde_json::Map<String, serde_json::Value> =
-                sides.map(|(side, moves)| (side.to_owned(), moves.iter().map(of).collect())).collect();
+                sides.map(|(side, moves)| (side.to_owned(), moves.iter().map(move_json).collect())).collect();
             terminal::print_json(&json!({ "points": sides, "written": written }));
             return Ok(());
         }
@@ -97,15 +102,17 @@ impl Reattach {
                 text.push_str(&format!("  {}: {}\n", moved.name, moved.doubt.as_deref().unwrap_or_default()));
             }
         }
-        terminal::print(&(text + &told(written)));
+        terminal::print(&(text + &written_lines(written)));
         Ok(())
     }
 }
 
-/// Whether the points of a side have to be looked at: unless its mesh is the one that the markers were made on. A side of
-/// which nothing is known is taken to be the same if the other side's old mesh was given.
-fn has_changed(markers: &MarkerFile, side: &str, file: Option<&PathBuf>, other_given: bool) -> bool {
-    let known = markers.reference(side).and_then(|reference| reference.blake3.as_deref());
+/// Whether the mesh of a side is another than the one that the markers were made on.
+///
+/// If the markers do not record a hash of that mesh, a side counts as unchanged if only the other side's old mesh is
+/// given.
+fn has_changed(markers: &MarkerFile, role: MeshRole, file: Option<&Path>, other_given: bool) -> bool {
+    let known = markers.reference(role).and_then(|reference| reference.blake3.as_deref());
     match (known, file) {
         (Some(hash), Some(file)) => hash_file(file).map_or(true, |found| !found.eq_ignore_ascii_case(hash)),
         _ => !other_given,

@@ -1,118 +1,152 @@
-//! What new crates begin with.
+//! The templates of new crates: files of mimesh's source under `templates/plugin`.
+//!
+//! A kind of stage has a template if `stages/KIND.rs` and `pipelines/KIND.yaml` are there; no code lists the kinds.
 
-use super::{Name, Source};
-use crate::diagnostic::{Diagnostic, Kind, Result};
+use std::{fs, path::Path};
 
-/// The beginning of a crate for one kind of stage: what is written, with `my_stage` for its name.
+use mimesh_document::{
+    diagnostic::{Diagnostic, Kind, Result},
+    files::read_text,
+};
+
+use crate::cli::new::{Name, source::Source};
+
+/// The files that a new crate of one kind of stage begins with; the stage is called `my_stage` in them.
 pub struct Template {
-    /// The kind.
-    pub stage: &'static str,
-    /// `src/lib.rs`: a stage that works.
-    pub library: &'static str,
-    /// `pipeline.yaml`.
-    pipeline: &'static str,
-    /// The subcommand that uses the stage.
-    pub command: &'static str,
+    /// The kind of stage.
+    pub stage: String,
+    /// The text of `src/lib.rs`: a stage that works.
+    pub library: String,
+    /// The text of `pipeline.yaml`.
+    pipeline: String,
+    /// The files that all kinds have in common, with their paths in the new crate.
+    common: Vec<(&'static str, String)>,
 }
 
-macro_rules! template {
-    ($stage:literal, $command:literal) => {
-        Template {
-            stage: $stage,
-            library: include_str!(concat!("../../../templates/plugin/stages/", $stage, ".rs")),
-            pipeline: include_str!(concat!("../../../templates/plugin/pipelines/", $stage, ".yaml")),
-            command: $command,
-        }
-    };
-}
+/// The folder of the templates in mimesh's source.
+const FOLDER: &str = "templates/plugin";
 
-const TEMPLATES: [Template; 11] = [
-    template!("clusterer", "run"),
-    template!("correspondence", "run"),
-    template!("deformer", "run"),
-    template!("format", "run"),
-    template!("key_points", "keypoints"),
-    template!("metric", "run"),
-    template!("proximity", "run"),
-    template!("generator", "run"),
-    template!("sampler", "keypoints"),
-    template!("transfer", "run"),
-    template!("weights", "run"),
+/// The files that all kinds have in common: the path in the new crate, and the file in [`FOLDER`].
+const COMMON: [(&str, &str); 4] = [
+    ("Cargo.toml", "Cargo.toml.txt"),
+    ("README.md", "README.md"),
+    ("src/main.rs", "main.rs"),
+    ("tests/contracts.rs", "contracts.rs"),
 ];
 
-/// Crates that stages may need besides mimesh's own; the first four are needed by nearly every one.
+/// Crates that stages may need besides mimesh's own. Nearly every stage needs the first [`ALWAYS_NEEDED`].
 const DEPENDENCIES: [&str; 5] = ["nalgebra", "schemars", "serde", "typetag", "rayon"];
 
-/// The kinds of stages that there is a template for.
-pub fn stages() -> Vec<&'static str> {
-    TEMPLATES.iter().map(|template| template.stage).collect()
+const ALWAYS_NEEDED: usize = 4;
+
+/// The kinds of stages that have a template in mimesh's source in `folder`, sorted; none if there is no source.
+pub fn kinds(folder: &Path) -> Vec<String> {
+    let files = fs::read_dir(folder.join(FOLDER).join("stages")).into_iter().flatten().flatten();
+    let mut kinds: Vec<String> = files.filter_map(|file| kind_of_file(&file.path())).collect();
+    kinds.sort();
+    kinds
 }
 
-/// The template for a kind of stage.
-pub fn of(stage: &str) -> &'static Template {
-    let found = TEMPLATES.iter().find(|template| template.stage == stage);
-    found.expect("the command line takes only kinds that there is a template for")
+fn kind_of_file(file: &Path) -> Option<String> {
+    let is_rust = file.extension().is_some_and(|extension| extension == "rs");
+    file.file_stem().filter(|_| is_rust).map(|stem| stem.to_string_lossy().into_owned())
 }
 
 impl Template {
+    /// Reads the template for a kind of stage.
+    ///
+    /// # Errors
+    ///
+    /// A diagnostic if there is none, or if a file cannot be read.
+    pub fn read(stage: &str, mimesh: &Source) -> Result<Self> {
+        let kinds = kinds(&mimesh.folder);
+        if !kinds.iter().any(|kind| kind == stage) {
+            let message = format!("mimesh has no template for a stage of kind `{stage}`");
+            let hint = match kinds.is_empty() {
+                true => format!("give the folder of a mimesh source that has `{FOLDER}` with `--mimesh DIR`"),
+                false => format!("kinds with a template: {}", kinds.join(", ")),
+            };
+            return Err(Diagnostic::new(Kind::Usage, message).hint(hint).into());
+        }
+        Ok(Self {
+            stage: stage.into(),
+            library: read_file(mimesh, &format!("stages/{stage}.rs"))?,
+            pipeline: read_file(mimesh, &format!("pipelines/{stage}.yaml"))?,
+            common: COMMON.iter().map(|(path, file)| Ok((*path, read_file(mimesh, file)?))).collect::<Result<_>>()?,
+        })
+    }
+
+    /// The subcommand that uses the stage in the template's pipeline.
+    pub fn command(&self) -> &'static str {
+        if self.pipeline.lines().any(|line| line.starts_with("key_points:")) { "keypoints" } else { "run" }
+    }
+
     /// The crates that the stage needs besides mimesh's own.
     pub fn dependencies(&self) -> impl Iterator<Item = &'static str> {
-        let is_needed = |k: usize| k < 4 || self.library.contains(&format!("{}::", DEPENDENCIES[k]));
-        (0..DEPENDENCIES.len()).filter(move |&k| is_needed(k)).map(|k| DEPENDENCIES[k])
+        let is_needed = |i: usize| i < ALWAYS_NEEDED || self.library.contains(&format!("{}::", DEPENDENCIES[i]));
+        (0..DEPENDENCIES.len()).filter(move |&i| is_needed(i)).map(|i| DEPENDENCIES[i])
     }
 
     /// Every file of a new crate with its path and text.
+    ///
+    /// # Errors
+    ///
+    /// A diagnostic if mimesh's `Cargo.toml` does not name the version of a dependency.
     pub fn files(&self, name: &Name, mimesh: &Source) -> Result<Vec<(&'static str, String)>> {
-        // Text in JSON is text in TOML.
-        let quoted = |folder: std::path::PathBuf| serde_json::json!(folder.to_string_lossy()).to_string();
-        let dependency = |name: &'static str| match mimesh.dependency(name) {
-            Some(version) => Ok(format!("{name} = {version}")),
-            None => {
-                Err(Diagnostic::new(Kind::BadData, format!("mimesh's Cargo.toml does not say which {name} it takes"))
-                    .hint("give the folder of mimesh's source with `--mimesh DIR`"))
-            }
-        };
-        let dependencies = self.dependencies().map(dependency).collect::<std::result::Result<Vec<_>, _>>()?;
-        let (folder, core) = (quoted(mimesh.folder.clone()), quoted(mimesh.folder.join("crates/core")));
-        let text = |text: &str| {
-            fill(
-                text,
-                &[
-                    ("my_dependencies", &dependencies.join("\n")),
-                    ("my_core", &core),
-                    ("my_mimesh", &folder),
-                    ("my_command", self.command),
-                    ("my_kind", self.stage),
-                    ("my_stage", &name.snake),
-                    ("my-stage", &name.kebab),
-                    ("MyStage", &name.camel),
-                ],
-            )
-        };
-        let mut files = vec![
-            ("Cargo.toml", text(include_str!("../../../templates/plugin/Cargo.toml.txt"))),
-            ("README.md", text(include_str!("../../../templates/plugin/README.md"))),
-            (".gitignore", "/target\n/out\n".into()),
-            ("src/lib.rs", text(self.library)),
-            ("src/main.rs", text(include_str!("../../../templates/plugin/main.rs"))),
-            ("tests/contracts.rs", text(include_str!("../../../templates/plugin/contracts.rs"))),
-            ("pipeline.yaml", text(self.pipeline)),
+        let dependencies = self.dependencies().map(|name| dependency_line(name, mimesh)).collect::<Result<Vec<_>>>()?;
+        let values = [
+            ("my_dependencies", dependencies.join("\n")),
+            ("my_core", toml_string(&mimesh.folder.join("crates/core"))),
+            ("my_mimesh", toml_string(&mimesh.folder)),
+            ("my_command", self.command().into()),
+            ("my_kind", self.stage.clone()),
+            ("my_stage", name.snake.clone()),
+            ("my-stage", name.kebab.clone()),
+            ("MyStage", name.camel.clone()),
         ];
+        let mut files: Vec<_> = self.common.iter().map(|(path, text)| (*path, fill(text, &values))).collect();
+        files.extend([
+            (".gitignore", "/target\n/out\n".into()),
+            ("src/lib.rs", fill(&self.library, &values)),
+            ("pipeline.yaml", fill(&self.pipeline, &values)),
+        ]);
         files.extend(mimesh.lock.clone().map(|lock| ("Cargo.lock", lock)));
         Ok(files)
     }
 }
 
-/// `text` with each marker replaced by what it stands for, which is not looked through again.
-fn fill(text: &str, markers: &[(&str, &str)]) -> String {
+/// Reads a file of the templates.
+fn read_file(mimesh: &Source, file: &str) -> Result<String> {
+    Ok(read_text(&mimesh.folder.join(FOLDER).join(file))?)
+}
+
+/// The line of `Cargo.toml` for a dependency, with the version that mimesh asks for.
+fn dependency_line(name: &str, mimesh: &Source) -> Result<String> {
+    match mimesh.dependency(name) {
+        Some(version) => Ok(format!("{name} = {version}")),
+        None => {
+            let message = format!("mimesh's Cargo.toml does not name the version of {name}");
+            let diagnostic = Diagnostic::new(Kind::BadData, message);
+            Err(diagnostic.hint("give the folder of mimesh's source with `--mimesh DIR`").into())
+        }
+    }
+}
+
+/// A path as a string of TOML, which has the form of a string of JSON.
+fn toml_string(path: &Path) -> String {
+    serde_json::json!(path.to_string_lossy()).to_string()
+}
+
+/// Replaces each marker in `text` by its value. Markers within values stay.
+fn fill(text: &str, values: &[(&str, String)]) -> String {
     let mut result = String::new();
     let mut rest = text;
     loop {
-        let found = markers.iter().filter_map(|(marker, value)| Some((rest.find(marker)?, *marker, *value)));
-        let Some((at, marker, value)) = found.min_by_key(|(at, _, _)| *at) else { return result + rest };
-        result += &rest[..at];
+        let found = values.iter().filter_map(|(marker, value)| Some((rest.find(marker)?, *marker, value)));
+        let Some((start, marker, value)) = found.min_by_key(|(start, _, _)| *start) else { return result + rest };
+        result += &rest[..start];
         result += value;
-        rest = &rest[at + marker.len()..];
+        rest = &rest[start + marker.len()..];
     }
 }
 
@@ -121,20 +155,31 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_filled_in_is_not_looked_through_again() {
-        assert_eq!(fill("a b a", &[("a", "b"), ("b", "a")]), "b a b");
+    fn markers_within_values_stay() {
+        assert_eq!(fill("a b a", &[("a", "b".into()), ("b", "a".into())]), "b a b");
     }
 
     #[test]
-    fn every_template_uses_its_stage_and_nothing_is_left_to_fill_in() {
+    fn every_template_uses_its_stage_and_leaves_no_marker() {
         let mimesh = Source::find(None).unwrap();
-        for template in &TEMPLATES {
-            let name = Name::new("quite-new").unwrap().check(template).unwrap();
+        let kinds = kinds(&mimesh.folder);
+        assert!(kinds.iter().any(|kind| kind == "transfer"), "{kinds:?}");
+        for kind in kinds {
+            let template = Template::read(&kind, &mimesh).unwrap();
+            let name = Name::new("quite-new").unwrap().check(&template).unwrap();
             for (file, text) in template.files(&name, &mimesh).unwrap() {
                 let markers = ["my_", "my-", "MyStage"];
                 assert!(file == "Cargo.lock" || !markers.iter().any(|m| text.contains(m)), "{file}: {text}");
             }
-            assert!(template.pipeline.contains("type: my_stage"), "{}", template.stage);
+            assert!(template.pipeline.contains("type: my_stage"), "{kind}");
         }
+    }
+
+    #[test]
+    fn a_kind_without_a_template_is_refused_with_the_kinds_that_have_one() {
+        let failure = Template::read("renderer", &Source::find(None).unwrap()).err().expect("no such template");
+        let [diagnostic] = &failure.list[..] else { panic!("{failure}") };
+        assert_eq!(diagnostic.message, "mimesh has no template for a stage of kind `renderer`");
+        assert!(diagnostic.hint.as_ref().is_some_and(|hint| hint.contains("sampler")), "{failure}");
     }
 }

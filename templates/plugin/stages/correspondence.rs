@@ -5,8 +5,9 @@
 //! different places and sizes.
 
 use mimesh_core::{
-    Error, Result,
+    Result,
     mesh::SurfacePoint,
+    plugin::check_ranges,
     register,
     spatial::{ClosestPoint, Orientation, Similarity},
     stage::{Correspondence, TransferPair, TriangleMap},
@@ -38,7 +39,7 @@ impl Default for MyStage {
 #[typetag::serde(name = "my_stage")]
 impl Correspondence for MyStage {
     fn correspond(&self, pair: TransferPair<'_>) -> Result<TriangleMap> {
-        Error::check_setting("max_distance", self.max_distance, 0.0, f64::INFINITY)?;
+        check_ranges(self)?;
         pair.check_markers()?;
         let (source, target) = (pair.source, pair.target);
         let to_target = self.similarity(pair);
@@ -50,8 +51,8 @@ impl Correspondence for MyStage {
         let point =
             |place: &Point3<f64>| find(place).map(|found| SurfacePoint::Triangle(found.triangle, found.barycentric));
         let map = TriangleMap {
-            source_triangles: source.triangle_count(),
-            partners: target.barycentres(&target.positions).par_iter().map(partner).collect(),
+            source_triangle_count: source.triangle_count(),
+            triangles: target.barycentres(&target.positions).par_iter().map(partner).collect(),
             points: target.positions.par_iter().map(point).collect(),
             ..TriangleMap::default()
         };
@@ -89,6 +90,6 @@ mod tests {
         let markers: Vec<_> = (0..12).map(|v| Marker { name: v.to_string(), source: at(v), target: at(v) }).collect();
         let pair = TransferPair { source: &source, target: &target, markers: &markers, proximity: None };
         let map = MyStage::default().correspond(pair).unwrap();
-        assert!((0..).zip(&map.partners).all(|(t, partner)| *partner == Some(t)));
+        assert!((0..).zip(&map.triangles).all(|(t, partner)| *partner == Some(t)));
     }
 }

@@ -7,6 +7,7 @@ use mimesh_core::{
     Error, Figures, Result,
     mesh::{Surface, check_finite},
     operators::linear_blend,
+    plugin::check_ranges,
     register,
     spatial::{Orientation, Similarity},
     stage::{BoundDeformer, Deformer, Fit, HandleWeights, Regions, Skin},
@@ -37,7 +38,7 @@ impl Default for MyStage {
 impl Deformer for MyStage {
     // What depends on the surface alone is done here, once: for this method that is nothing.
     fn bind(&self, surface: &Surface) -> Result<Box<dyn BoundDeformer>> {
-        Error::check_setting("whole", self.whole, 1e-6, 1.0)?;
+        check_ranges(self)?;
         Ok(Box::new(Bound { whole: self.whole, rest: surface.positions.clone() }))
     }
 }

@@ -3,8 +3,9 @@
 //! Of radius 1 about the y axis, closed by fans at both ends. In pose k of n its middle line is an arc of angle k/n · `bend`.
 
 use mimesh_core::{
-    Error, Result,
-    mesh::{Landmark, Mesh, MeshSequence, Pose, SurfacePoint},
+    Result,
+    mesh::{Landmark, Mesh, MeshPoint, MeshSequence, Pose},
+    plugin::check_ranges,
     register,
     stage::Generator,
 };
@@ -44,11 +45,7 @@ impl Default for MyStage {
 #[typetag::serde(name = "my_stage")]
 impl Generator for MyStage {
     fn make(&self) -> Result<MeshSequence> {
-        Error::check_setting("around", self.around as f64, 3.0, 1000.0)?;
-        Error::check_setting("along", self.along as f64, 1.0, 10000.0)?;
-        Error::check_setting("length", self.length, 0.1, 1000.0)?;
-        Error::check_setting("bend", self.bend, -180.0, 180.0)?;
-        Error::check_setting("frames", self.frames as f64, 1.0, 1000.0)?;
+        check_ranges(self)?;
         let positions = self.positions();
         let polygons = self.polygons().iter().map(|corners| &corners[..]).collect();
         let rest = Mesh { positions: positions.clone(), polygons, ..Mesh::default() };
@@ -57,7 +54,7 @@ impl Generator for MyStage {
             let positions = positions.iter().map(|p| self.bent(p, angle)).collect();
             Pose { name: format!("{k:02}"), positions }
         };
-        let landmark = |name: &str, v| Landmark { name: name.into(), point: SurfacePoint::Vertex(v) };
+        let landmark = |name: &str, v| Landmark { name: name.into(), point: MeshPoint::Vertex(v) };
         Ok(MeshSequence {
             rest,
             poses: (1..=self.frames).map(pose).collect(),

@@ -7,6 +7,7 @@
 use mimesh_core::{
     Error, Figures, Result,
     mesh::{SurfacePoint, check_finite},
+    plugin::check_ranges,
     register,
     stage::{ChoiceStep, ChoiceWatch, Chosen, KeyPoints, KeyPointsInput},
 };
@@ -34,7 +35,7 @@ impl Default for MyStage {
 #[typetag::serde(name = "my_stage")]
 impl KeyPoints for MyStage {
     fn choose(&self, input: KeyPointsInput<'_>, watch: &dyn ChoiceWatch) -> Result<Chosen> {
-        Error::check_setting("count", self.count as f64, 1.0, f64::INFINITY)?;
+        check_ranges(self)?;
         let KeyPointsInput { source, poses, start } = input;
         if poses.is_empty() {
             return Err(Error::data("no poses to choose key points for", "give the source poses"));

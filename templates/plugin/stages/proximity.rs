@@ -1,8 +1,9 @@
 //! A chain of components: each is linked to the nearest of those before it, by their closest vertices.
 
 use mimesh_core::{
-    Error, Figures, Result,
+    Figures, Result,
     mesh::Surface,
+    plugin::check_ranges,
     register,
     spatial::Nearest,
     stage::{Link, Proximity, ProximityGraph},
@@ -31,7 +32,7 @@ impl Default for MyStage {
 #[typetag::serde(name = "my_stage")]
 impl Proximity for MyStage {
     fn proximity(&self, target: &Surface) -> Result<ProximityGraph> {
-        Error::check_setting("pairs", self.pairs as f64, 1.0, f64::INFINITY)?;
+        check_ranges(self)?;
         let components = target.components();
         let mut vertices = vec![Vec::new(); components.count()];
         for (v, component) in (0u32..).zip(&components.of_vertex) {
@@ -47,10 +48,9 @@ impl Proximity for MyStage {
             }
             before.extend(own);
         }
-        links.sort_by_key(|link: &Link| link.components);
         let mut figures = Figures::default();
         figures.set("links", links.len());
-        Ok(ProximityGraph { components, links, figures })
+        ProximityGraph::new(components, links, figures)
     }
 }
 
@@ -98,7 +98,7 @@ mod tests {
     fn two_spheres_are_linked_where_they_are_closest() {
         let surface = meshes::two_components();
         let graph = MyStage::default().proximity(&surface).unwrap();
-        let [link] = &graph.links[..] else { panic!("one link") };
+        let [link] = graph.links().collect::<Vec<_>>()[..] else { panic!("one link") };
         let [a, b] = link.pairs[0].map(|v| surface.positions[v as usize]);
         assert!(link.components == [0, 1] && a.x > 0.5 && b.x < 2.5, "{a} {b}");
     }

@@ -9,6 +9,7 @@ use mimesh_core::{
     Error, Result,
     mesh::{Surface, SurfacePoint},
     operators::is_degenerate,
+    plugin::check_ranges,
     register,
     stage::Sampler,
 };
@@ -35,7 +36,7 @@ impl Default for MyStage {
 #[typetag::serde(name = "my_stage")]
 impl Sampler for MyStage {
     fn sample(&self, surface: &Surface) -> Result<Vec<SurfacePoint>> {
-        Error::check_setting("count", self.count as f64, 1.0, f64::INFINITY)?;
+        check_ranges(self)?;
         let areas: Vec<f64> = surface.area_normals(&surface.positions).iter().map(|n| 0.5 * n.norm()).collect();
         let has_area = |t: &usize| !is_degenerate(&surface.corners(&surface.positions, *t));
         let triangles: Vec<usize> = (0..surface.triangle_count()).filter(has_area).collect();

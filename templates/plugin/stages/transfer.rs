@@ -8,9 +8,10 @@ use mimesh_core::{
     Error, Figures, Result,
     mesh::{Surface, SurfacePoint, check_finite},
     operators::voronoi_mass,
+    plugin::check_ranges,
     register,
     spatial::{Orientation, Similarity},
-    stage::{BoundTransfer, TransferPair, Transfer, Transferred, TriangleMap},
+    stage::{BindInput, BoundTransfer, Transfer, Transferred},
 };
 use nalgebra::{Point3, Vector3};
 use schemars::JsonSchema;
@@ -36,9 +37,10 @@ impl Default for MyStage {
 #[typetag::serde(name = "my_stage")]
 impl Transfer for MyStage {
     // What depends on the rest meshes alone is done here, once.
-    fn bind(&self, pair: TransferPair<'_>, map: &TriangleMap) -> Result<Box<dyn BoundTransfer>> {
-        Error::check_setting("strength", self.strength, 0.0, 10.0)?;
-        let points = map.source_points(pair)?;
+    fn bind(&self, input: BindInput<'_>) -> Result<Box<dyn BoundTransfer>> {
+        check_ranges(self)?;
+        let pair = input.pair;
+        let points = input.require_map()?.source_points(pair)?;
         let places: Vec<_> = points.iter().map(|p| p.position(pair.source, &pair.source.positions)).collect();
         // Vertices without an area, as loose ones, lie where they like.
         let areas = voronoi_mass(&pair.target.positions, &pair.target.triangles);
@@ -97,7 +99,10 @@ fn nearest_rigid_motion(from: &[Point3<f64>], to: &[Point3<f64>]) -> Similarity 
 
 #[cfg(test)]
 mod tests {
-    use mimesh_core::testkit::meshes;
+    use mimesh_core::{
+        stage::{TransferPair, TriangleMap},
+        testkit::meshes,
+    };
 
     use super::*;
 
@@ -105,9 +110,9 @@ mod tests {
     fn without_strength_the_target_stays_rigid() {
         let surface = meshes::icosphere(1);
         let partners = (0..surface.triangle_count() as u32).map(Some).collect();
-        let map = TriangleMap { source_triangles: surface.triangle_count(), partners, ..TriangleMap::default() };
+        let map = TriangleMap { source_triangle_count: surface.triangle_count(), triangles: partners, ..TriangleMap::default() };
         let pair = TransferPair { source: &surface, target: &surface, markers: &[], proximity: None };
-        let bound = MyStage { strength: 0.0 }.bind(pair, &map).unwrap();
+        let bound = MyStage { strength: 0.0 }.bind(BindInput::new(pair, &map)).unwrap();
         let stretched: Vec<_> = surface.positions.iter().map(|p| Point3::new(2.0 * p.x, p.y, p.z)).collect();
         let posed = bound.transfer(&stretched).unwrap().positions;
         // Rounding of coordinates of size 1.

@@ -4,11 +4,12 @@
 //! apart as the ends of their bridges.
 
 use mimesh_core::{
-    Error, Figures, Result,
+    Figures, Result,
     mesh::{Surface, SurfacePoint},
+    plugin::check_ranges,
     register,
     spatial::EdgePaths,
-    stage::{BoundWeights, HandlePoints, HandleWeights, ProximityGraph, Weights, followers},
+    stage::{BoundWeights, HandlePoints, HandleWeights, ProximityGraph, Weights, unreached},
 };
 use nalgebra::DMatrix;
 use schemars::JsonSchema;
@@ -40,7 +41,7 @@ impl Weights for MyStage {
         points: &[SurfacePoint],
         proximity: Option<&ProximityGraph>,
     ) -> Result<Box<dyn BoundWeights>> {
-        Error::check_setting("power", self.power, 1.0, 16.0)?;
+        check_ranges(self)?;
         proximity.map_or(Ok(()), |graph| graph.check(surface))?;
         let points = HandlePoints::new(surface, points)?;
         let bridges: Vec<[u32; 2]> = proximity.iter().flat_map(|graph| graph.pairs()).collect();
@@ -67,7 +68,7 @@ impl BoundWeights for Bound {
         let nearest = |v: usize| handles.iter().map(|&h| self.distances[h][v]).fold(f64::INFINITY, f64::min);
         let nearest: Vec<f64> = (0..count).map(nearest).collect();
         let reached: Vec<bool> = nearest.iter().map(|d| d.is_finite()).collect();
-        let followers = followers(&self.surface, &reached)?;
+        let unreached = unreached(&self.surface, &reached)?;
         let mut matrix = DMatrix::zeros(count, handles.len());
         for v in (0..count).filter(|&v| reached[v]) {
             // Relative to the nearest handle, so that no power overflows; at distance 0 only handles at 0 count.
@@ -81,7 +82,7 @@ impl BoundWeights for Bound {
             matrix.row_mut(v as usize).fill(0.0);
             matrix[(v as usize, handle)] = 1.0;
         }
-        for [v, by] in followers {
+        for [v, by] in unreached {
             let row = matrix.row(by as usize).into_owned();
             matrix.set_row(v as usize, &row);
         }

@@ -79,7 +79,7 @@ impl Cholesky {
         Self::with_parameters(lower, what, CholeskySymbolicParams::default())
     }
 
-    /// As [`new`](Self::new), for a matrix whose values will change often: columns are gathered into dense blocks whatever the
+    /// Like [`new`](Self::new), for a matrix whose values will change often: columns are gathered into dense blocks whatever the
     /// size.
     ///
     /// On bilaplacians of 2,000 and 13,000 vertices a factorisation took 0.7 and 0.4 of the time, and a solve as long or 1.3
@@ -87,7 +87,7 @@ impl Cholesky {
     ///
     /// # Errors
     ///
-    /// As [`new`](Self::new).
+    /// The errors of [`new`](Self::new).
     pub fn for_refactoring(lower: CscMatrix<f64>, what: &'static str) -> Result<Self> {
         let supernodal_flop_ratio_threshold = SupernodalThreshold::FORCE_SUPERNODAL;
         let parameters = CholeskySymbolicParams { supernodal_flop_ratio_threshold, ..Default::default() };
@@ -159,7 +159,7 @@ impl Cholesky {
         );
     }
 
-    /// As [`solve_in_place`](Self::solve_in_place), with one step of iterative refinement.
+    /// Like [`solve_in_place`](Self::solve_in_place), with one step of iterative refinement.
     ///
     /// Worth its price where A squares a badly conditioned operator, as a bilaplacian does.
     ///
@@ -179,11 +179,6 @@ impl Cholesky {
     /// n.
     pub fn size(&self) -> usize {
         self.matrix.ncols()
-    }
-
-    /// Number of stored entries of L.
-    pub fn factor_len(&self) -> usize {
-        self.factor.len()
     }
 
     /// Where each column of the lower triangle starts among its values.

@@ -10,16 +10,16 @@ use crate::Result;
 pub struct FixedUnknowns {
     cholesky: Cholesky,
     /// For each unknown its number among the free ones, or among the fixed ones.
-    place: Vec<Place>,
+    place: Vec<Variable>,
     free: Vec<u32>,
     /// A_fc, #free × #fixed.
     coupling: CscMatrix<f64>,
-    /// What was added to the diagonal of each free unknown.
+    /// Values that were added to the diagonal, one a free unknown.
     added: Vec<f64>,
 }
 
 #[derive(Clone, Copy, Debug)]
-enum Place {
+enum Variable {
     Free(usize),
     Fixed(usize),
 }
@@ -36,14 +36,14 @@ impl FixedUnknowns {
     /// [`Error::Singular`](crate::Error::Singular) if what remains is not positive definite.
     pub fn new(lower: &CscMatrix<f64>, fixed: &[u32], what: &'static str) -> Result<Self> {
         let n = lower.ncols();
-        let mut place = vec![Place::Free(0); n];
+        let mut place = vec![Variable::Free(0); n];
         for (k, &i) in fixed.iter().enumerate() {
-            assert!(matches!(place[i as usize], Place::Free(_)), "unknown {i} is fixed twice");
-            place[i as usize] = Place::Fixed(k);
+            assert!(matches!(place[i as usize], Variable::Free(_)), "unknown {i} is fixed twice");
+            place[i as usize] = Variable::Fixed(k);
         }
         let mut free = Vec::with_capacity(n - fixed.len());
         for (i, place) in place.iter_mut().enumerate() {
-            if let Place::Free(number) = place {
+            if let Variable::Free(number) = place {
                 *number = free.len();
                 free.push(i as u32);
             }
@@ -52,9 +52,11 @@ impl FixedUnknowns {
         let mut coupling = CooMatrix::new(free.len(), fixed.len());
         for (i, j, &value) in lower.triplet_iter().filter(|(i, j, _)| i >= j) {
             match (place[i], place[j]) {
-                (Place::Free(a), Place::Free(b)) => inner.push(a, b, value),
-                (Place::Free(a), Place::Fixed(b)) | (Place::Fixed(b), Place::Free(a)) => coupling.push(a, b, value),
-                (Place::Fixed(_), Place::Fixed(_)) => {}
+                (Variable::Free(a), Variable::Free(b)) => inner.push(a, b, value),
+                (Variable::Free(a), Variable::Fixed(b)) | (Variable::Fixed(b), Variable::Free(a)) => {
+                    coupling.push(a, b, value)
+                }
+                (Variable::Fixed(_), Variable::Fixed(_)) => {}
             }
         }
         let cholesky = Cholesky::new(CscMatrix::from(&inner), what)?;
@@ -99,8 +101,8 @@ impl FixedUnknowns {
         let mut x = Vec::with_capacity(n * columns);
         for c in 0..columns {
             x.extend(self.place.iter().map(|place| match *place {
-                Place::Free(a) => rhs[c * inner + a],
-                Place::Fixed(b) => values[c * fixed + b],
+                Variable::Free(a) => rhs[c * inner + a],
+                Variable::Fixed(b) => values[c * fixed + b],
             }));
         }
         x

@@ -1,6 +1,6 @@
 use nalgebra::Point3;
 
-use super::{Mesh, SurfacePoint};
+use super::{Mesh, MeshPoint};
 
 /// A rest mesh with its poses, as a file or a generator gives them.
 #[derive(Clone, Debug, Default)]
@@ -13,7 +13,7 @@ pub struct MeshSequence {
     pub landmarks: Vec<Landmark>,
     /// Animations of the file that play the poses, for information.
     pub animations: Vec<Animation>,
-    /// What the reader left out, in sentences.
+    /// Sentences about data of the file that the reader left out.
     pub warnings: Vec<String>,
 }
 
@@ -26,13 +26,13 @@ pub struct Pose {
     pub positions: Vec<Point3<f64>>,
 }
 
-/// A named point of a mesh (vertices and triangles of the mesh, not of a welded surface).
+/// A named point of a mesh.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Landmark {
     /// The name, unique in the mesh.
     pub name: String,
-    /// The point; a triangle counts the fan triangles of all polygons in order.
-    pub point: SurfacePoint,
+    /// The point, as the file of the mesh counts.
+    pub point: MeshPoint,
 }
 
 /// An animation in a file.
@@ -42,6 +42,6 @@ pub struct Animation {
     pub name: String,
     /// Length in seconds.
     pub seconds: f64,
-    /// What it moves, e.g. `morph targets` or `skeleton`.
+    /// The moved part of the scene, e.g. `morph targets` or `skeleton`.
     pub channels: Vec<String>,
 }

@@ -6,7 +6,7 @@ use serde::Serialize;
 use super::{Mesh, Surface, bounding_box};
 use crate::{Result, operators::is_degenerate};
 
-/// What is in a mesh and what a solver may stumble over.
+/// Counts and sizes of a mesh, and its defects that a solver may stumble over.
 #[derive(Clone, Debug, Serialize)]
 pub struct Statistics {
     /// Vertices of the file.
@@ -48,7 +48,7 @@ impl Statistics {
     ///
     /// # Errors
     ///
-    /// As [`Mesh::validate`].
+    /// The errors of [`Mesh::validate`].
     pub fn new(mesh: &Mesh) -> Result<Self> {
         let surface = Surface::new(mesh)?;
         let topology = surface.topology();

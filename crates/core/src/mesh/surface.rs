@@ -3,7 +3,7 @@ use nalgebra::{Point3, Vector3};
 use super::{Components, Mesh, Part, Topology, diagonal, weld};
 use crate::{Error, Result};
 
-/// What stages compute on: the triangles of a [`Mesh`], with seams welded.
+/// The surface that stages compute on: the triangles of a [`Mesh`], with seams welded.
 ///
 /// Vertices and triangles are numbered from 0 in the order of the mesh; both maps back are kept.
 #[derive(Clone, Debug)]
@@ -33,7 +33,7 @@ impl Surface {
     ///
     /// # Errors
     ///
-    /// As [`Mesh::validate`].
+    /// The errors of [`Mesh::validate`].
     pub fn new(mesh: &Mesh) -> Result<Self> {
         mesh.validate()?;
         let mut triangles = Vec::new();
@@ -73,7 +73,7 @@ impl Surface {
     ///
     /// # Errors
     ///
-    /// As [`Mesh::validate`].
+    /// The errors of [`Mesh::validate`].
     pub fn from_triangles(positions: Vec<Point3<f64>>, triangles: Vec<[u32; 3]>) -> Result<Self> {
         Mesh::from_triangles(positions.clone(), &triangles).validate()?;
         let all: Vec<u32> = (0..positions.len() as u32).collect();
@@ -105,7 +105,7 @@ impl Surface {
         diagonal(&self.positions)
     }
 
-    /// Which triangles meet where.
+    /// The edges and vertices at which triangles meet.
     pub fn topology(&self) -> Topology {
         Topology::new(&self.triangles)
     }

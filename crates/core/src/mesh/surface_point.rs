@@ -3,10 +3,10 @@ use serde::{Deserialize, Serialize};
 
 use super::Surface;
 
-/// A point of a [`Surface`]: a vertex, or a place on a triangle.
+/// A point of a [`Surface`]: a vertex, or a place on a triangle. Files count as [`MeshPoint`](super::MeshPoint) does.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum SurfacePoint {
-    /// A vertex.
+    /// A vertex of the surface.
     Vertex(u32),
     /// A place on a triangle: the triangle, and barycentric coordinates of its corners, which sum to 1.
     Triangle(u32, [f64; 3]),

@@ -3,7 +3,7 @@ use std::collections::HashMap;
 use petgraph::unionfind::UnionFind;
 use serde::{Deserialize, Serialize};
 
-/// Which triangles of a surface meet where.
+/// The edges and vertices at which triangles of a surface meet.
 #[derive(Clone, Debug)]
 pub struct Topology {
     /// Pairs of triangles that share an edge, each pair once, smaller triangle first, sorted.

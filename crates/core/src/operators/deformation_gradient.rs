@@ -1,6 +1,6 @@
 use nalgebra::{Matrix3, Point3, Vector3};
 
-use super::is_degenerate;
+use super::degenerate::is_degenerate;
 
 /// Deformation gradients F, 3 × 3 a triangle, of poses relative to one rest surface.
 ///

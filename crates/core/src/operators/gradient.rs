@@ -1,6 +1,6 @@
 use nalgebra::{Matrix3, Point3, Vector3};
 
-use super::is_degenerate;
+use super::degenerate::is_degenerate;
 
 /// The gradient of piecewise linear functions on one triangle: ∇u = Σᵢ uᵢ gᵢ, in the plane of the triangle.
 #[derive(Clone, Copy, Debug)]

@@ -1,7 +1,7 @@
 use nalgebra::Point3;
 use nalgebra_sparse::CscMatrix;
 
-use super::is_degenerate;
+use super::degenerate::is_degenerate;
 use crate::linalg::Assembly;
 
 /// The cotangent Laplacian L, #V × #V, positive semi-definite, as its lower triangle:

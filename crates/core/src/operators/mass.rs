@@ -1,6 +1,6 @@
 use nalgebra::Point3;
 
-use super::is_degenerate;
+use super::degenerate::is_degenerate;
 
 /// The diagonal of the lumped mass M, #V: the Voronoi area of each vertex, in squared units of length.
 ///

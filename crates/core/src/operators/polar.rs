@@ -48,8 +48,8 @@ fn cofactors(f: &Matrix3<f64>) -> Matrix3<f64> {
     Matrix3::from_columns(&[b.cross(&c), c.cross(&a), a.cross(&b)])
 }
 
-/// By one-sided Jacobi rotations, which turn the columns of F until they are orthogonal: F V = U Σ. Small singular values keep
-/// their digits, where forming FᵀF would lose them.
+/// Uses one-sided Jacobi rotations, which turn the columns of F until they are orthogonal: F V = U Σ. Small singular values
+/// keep their digits, where forming FᵀF would lose them.
 fn nearest_rotation(f: &Matrix3<f64>) -> Matrix3<f64> {
     let (mut b, mut v) = (*f, Matrix3::identity());
     for _ in 0..30 {

@@ -4,7 +4,7 @@ use crate::linalg::Assembly;
 
 /// A tetrahedron over four unknown points with a constant deformation gradient F = Σ xᵢ gᵢᵀ.
 ///
-/// For energies that compare deformation gradients of triangles in different planes, which the 3 × 2 edge form cannot: a
+/// It serves energies that compare deformation gradients of triangles in different planes, which the 3 × 2 edge form cannot: a
 /// triangle becomes a tetrahedron by a fourth vertex, which is an unknown of its own (Sumner and Popović 2004).
 #[derive(Clone, Debug)]
 pub struct Tetrahedron {
@@ -35,24 +35,24 @@ impl Tetrahedron {
         Matrix3::from_fn(|c, j| (0..4).map(|k| at(self.unknowns[k], c) * self.gradient[k][j]).sum::<f64>())
     }
 
-    /// Adds weight ‖F − goal‖² to the quadratic energy xᵀ A x − 2 bᵀ x of n unknowns; `rhs` is b, n × 3 by columns.
-    pub fn attract(&self, goal: &Matrix3<f64>, weight: f64, assembly: &mut Assembly, rhs: &mut [f64]) {
+    /// Adds weight ‖F − target‖² to the quadratic energy xᵀ A x − 2 bᵀ x of n unknowns; `rhs` is b, n × 3 by columns.
+    pub fn add_target(&self, target: &Matrix3<f64>, weight: f64, assembly: &mut Assembly, rhs: &mut [f64]) {
         assembly.add_outer(&self.unknowns, &self.gradient, weight);
-        self.attract_rhs(goal, weight, rhs);
+        self.add_target_rhs(target, weight, rhs);
     }
 
-    /// The part of [`attract`](Self::attract) that depends on the goal.
-    pub fn attract_rhs(&self, goal: &Matrix3<f64>, weight: f64, rhs: &mut [f64]) {
+    /// The part of [`add_target`](Self::add_target) that depends on the target.
+    pub fn add_target_rhs(&self, target: &Matrix3<f64>, weight: f64, rhs: &mut [f64]) {
         let n = rhs.len() / 3;
         for (&i, g) in self.unknowns.iter().zip(&self.gradient) {
             for c in 0..3 {
-                rhs[c * n + i as usize] += weight * (0..3).map(|j| goal[(c, j)] * g[j]).sum::<f64>();
+                rhs[c * n + i as usize] += weight * (0..3).map(|j| target[(c, j)] * g[j]).sum::<f64>();
             }
         }
     }
 
     /// Adds weight ‖F − F_other‖² to a quadratic energy.
-    pub fn agree(&self, other: &Self, weight: f64, assembly: &mut Assembly) {
+    pub fn add_smoothness(&self, other: &Self, weight: f64, assembly: &mut Assembly) {
         let indices: [u32; 8] = std::array::from_fn(|k| if k < 4 { self.unknowns[k] } else { other.unknowns[k - 4] });
         let rows: [[f64; 3]; 8] =
             std::array::from_fn(|k| if k < 4 { self.gradient[k] } else { other.gradient[k - 4].map(|x| -x) });

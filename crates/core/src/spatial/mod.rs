@@ -1,4 +1,4 @@
-//! Where points lie to each other: closest points of a surface, nearest neighbours, paths along it, similarity transforms.
+//! Spatial search: closest points of a surface, nearest neighbours, paths along it, similarity transforms.
 
 mod closest_point;
 mod edge_paths;

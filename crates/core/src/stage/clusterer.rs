@@ -36,14 +36,14 @@ pub trait BoundClusterer: Debug + Send + Sync {
 
 crate::stage_kind!(Clusterer, "clusterer");
 
-/// Which region each vertex belongs to.
+/// The region of each vertex.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Regions {
     /// #V numbers below [`count`](Self::count).
     pub of_vertex: Vec<u32>,
     /// Number of regions.
     pub count: usize,
-    /// What was found.
+    /// The report of the clustering.
     pub figures: Figures,
 }
 

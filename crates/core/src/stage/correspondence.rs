@@ -1,9 +1,13 @@
-use std::{fmt::Debug, path::PathBuf};
+use std::fmt::Debug;
 
 use super::{TransferPair, TriangleMap};
 use crate::Result;
 
 /// Finds for each target triangle the source triangle that it moves like.
+///
+/// A setting that names a file carries `#[schemars(extend("x-file" = true))]`: the pipeline makes its path relative to the current
+/// folder, checks that the file is there, and puts the hash of its contents into the keys of cached results. This holds for every kind
+/// of stage.
 ///
 /// # Contract
 ///
@@ -25,7 +29,7 @@ pub trait Correspondence: Debug + Send + Sync {
     ///
     /// # Errors
     ///
-    /// As [`correspond`](Self::correspond).
+    /// The errors of [`correspond`](Self::correspond).
     fn check(&self, _pair: TransferPair<'_>) -> Result<()> {
         Ok(())
     }
@@ -33,11 +37,6 @@ pub trait Correspondence: Debug + Send + Sync {
     /// How many markers this method needs, so that a pipeline can be checked without computing.
     fn markers_needed(&self) -> usize {
         0
-    }
-
-    /// Files among the settings; the pipeline makes their paths absolute before use.
-    fn files(&mut self) -> Vec<&mut PathBuf> {
-        vec![]
     }
 }
 

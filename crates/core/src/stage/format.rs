@@ -30,7 +30,7 @@ pub trait Format: Debug + Send + Sync {
     ///
     /// # Errors
     ///
-    /// As [`read`](Self::read), and [`Error::File`] that names the counts, or the first polygon, in which the file
+    /// The errors of [`read`](Self::read), and [`Error::File`] that names the counts, or the first polygon, in which the file
     /// differs from `rest`.
     fn read_pose(&self, path: &Path, rest: &Mesh) -> Result<Vec<Point3<f64>>> {
         let pose = self.read(path)?.rest;
@@ -88,7 +88,7 @@ pub trait PoseWriter {
     ///
     /// # Errors
     ///
-    /// From `out`; [`Error::Shape`] if the counts differ.
+    /// Those of `out`; [`Error::Shape`] if the counts differ.
     fn write(&self, mesh: &Mesh, positions: &[Point3<f64>], out: &mut dyn Write) -> Result<(), WriteError>;
 }
 
@@ -115,11 +115,11 @@ pub trait SequenceWriter {
     ///
     /// # Errors
     ///
-    /// From `out`.
+    /// Those of `out`.
     fn finish(self: Box<Self>, out: &mut dyn Write) -> Result<(), WriteError>;
 }
 
-/// What writing can fail with, before a path is known.
+/// The error of writing, before a path is known.
 #[derive(Debug, thiserror::Error)]
 pub enum WriteError {
     /// The sink failed.

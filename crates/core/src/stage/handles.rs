@@ -1,4 +1,5 @@
-//! What every implementation of [`Weights`](super::Weights) asks of handles, so that all refuse the same in the same words.
+//! Requirements on handles that every implementation of [`Weights`](super::Weights) shares. All refuse the same in the same
+//! words.
 
 use crate::{
     Error, Result,
@@ -96,13 +97,13 @@ impl HandlePoints {
     }
 }
 
-/// The vertices that no handle reaches, each with the nearest one that is reached, whose weights it takes: vertices without a
-/// triangle, or with such without area only. `reached` says of each vertex (#V) whether a handle has influence on it.
+/// The vertices that no handle reaches, each with the nearest one that is reached, whose weights it takes. They have no triangle,
+/// or triangles without area only. `reached` says of each vertex (#V) whether a handle has influence on it.
 ///
 /// # Errors
 ///
 /// [`Error::Data`] that names the components with an area that no handle reaches.
-pub fn followers(surface: &Surface, reached: &[bool]) -> Result<Vec<[u32; 2]>> {
+pub fn unreached(surface: &Surface, reached: &[bool]) -> Result<Vec<[u32; 2]>> {
     Error::check_shape("vertices that handles reach (#V)", surface.vertex_count(), reached.len())?;
     let (with, without): (Vec<u32>, Vec<u32>) = (0..surface.vertex_count() as u32).partition(|&v| reached[v as usize]);
     if without.is_empty() {
@@ -125,8 +126,8 @@ pub fn followers(surface: &Surface, reached: &[bool]) -> Result<Vec<[u32; 2]>> {
         ));
     }
     let nearest = Nearest::new(&with.iter().map(|&v| surface.positions[v as usize]).collect::<Vec<_>>())?;
-    let follow = |v: u32| [v, with[nearest.find(&surface.positions[v as usize]).0 as usize]];
-    Ok(without.into_iter().map(follow).collect())
+    let with_nearest = |v: u32| [v, with[nearest.find(&surface.positions[v as usize]).0 as usize]];
+    Ok(without.into_iter().map(with_nearest).collect())
 }
 
 #[cfg(test)]
@@ -149,13 +150,13 @@ mod tests {
         let surface = Surface::new(&mesh).unwrap();
         let loose = surface.vertex_count() - 1;
         let reached: Vec<bool> = (0..=loose).map(|v| v != loose).collect();
-        let [[follower, by]] = followers(&surface, &reached).unwrap()[..] else { panic!("one vertex is loose") };
+        let [[vertex, by]] = unreached(&surface, &reached).unwrap()[..] else { panic!("one vertex is loose") };
         let distance = |v: u32| (surface.positions[v as usize] - surface.positions[loose]).norm();
-        assert!(follower == loose as u32 && (0..loose as u32).all(|v| distance(by) <= distance(v)));
+        assert!(vertex == loose as u32 && (0..loose as u32).all(|v| distance(by) <= distance(v)));
 
         let two = meshes::two_components();
         let first: Vec<bool> = (0..84).map(|v| v < 42).collect();
-        let error = followers(&two, &first).unwrap_err().to_string();
+        let error = unreached(&two, &first).unwrap_err().to_string();
         assert_eq!(error, "component without a handle: (42 vertices, from vertex 42)");
     }
 }

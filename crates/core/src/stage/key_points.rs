@@ -27,7 +27,7 @@ pub trait KeyPoints: Debug + Send + Sync {
 
 crate::stage_kind!(KeyPoints, "key_points");
 
-/// What [`KeyPoints`] choose from.
+/// The input of [`KeyPoints`].
 #[derive(Clone, Copy, Debug)]
 pub struct KeyPointsInput<'a> {
     /// The source at rest.
@@ -43,7 +43,7 @@ pub trait ChoiceWatch: Sync {
     /// A step is done.
     fn step(&self, step: &ChoiceStep);
 
-    /// Of the step on its way, `done` of `all` parts are done.
+    /// Reports that `done` of `all` parts of the current step are done.
     fn progress(&self, _done: usize, _all: usize) {}
 
     /// Whether to end with the points chosen so far.
@@ -75,6 +75,6 @@ pub struct Chosen {
     pub points: Vec<SurfacePoint>,
     /// Every step that was kept, the last of which is the result; none where no error is known, as of given points.
     pub steps: Vec<ChoiceStep>,
-    /// What was found.
+    /// The report of the search.
     pub figures: Figures,
 }

@@ -2,44 +2,39 @@ use std::fmt::Debug;
 
 use nalgebra::Point3;
 
-use super::{TransferPair, TriangleMap};
+use super::{Statistic, TransferPair, TriangleMap};
 use crate::{
     Error, Figures, Result,
     mesh::{Mesh, Surface},
 };
 
-/// Judges a posed target: against the known result, against its own rest, or against what the source did.
+/// Measures a posed target against the known result, against its own rest or against the motion of the source.
 ///
 /// # Contract
 ///
-/// - figures are finite, in percent of the rest diagonal or dimensionless as their doc says;
-/// - a result equal to the truth has no error;
-/// - source and target at rest break no limit of its own;
-/// - one rigid motion of result, truth and source changes no figure beyond rounding;
-/// - it gives no number that it does not name before;
-/// - a pose that it cannot judge, for want of a truth or a source, has no figures.
+/// - every number that it gives is finite and declared in [`statistics`](Metric::statistics);
+/// - lengths are in percent of the diagonal at rest, so that no statistic depends on the unit of the files;
+/// - a result equal to the ground truth has no error;
+/// - source and target at rest exceed none of its own limits;
+/// - one rigid motion of result, ground truth and source changes no statistic beyond rounding;
+/// - a pose that it cannot measure, for want of a ground truth or a source, has no statistics.
 #[typetag::serde(tag = "type")]
 pub trait Metric: Debug + Send + Sync {
-    /// Does once what depends on rest meshes.
+    /// Does once the work that depends on rest meshes alone.
     ///
     /// # Errors
     ///
-    /// [`Error::Setting`] for settings out of range, [`Error::Data`] for rest meshes that cannot be judged.
-    fn bind<'a>(&self, subject: MetricContext<'a>) -> Result<Box<dyn BoundMetric + 'a>>;
+    /// [`Error::Setting`] for settings out of range, [`Error::Data`] for rest meshes that cannot be measured.
+    fn bind<'a>(&self, context: MetricContext<'a>) -> Result<Box<dyn BoundMetric + 'a>>;
 
-    /// Names of its figures that are numbers, the one that says most first; for checks before anything is measured.
+    /// The numbers that it can give of a pose, the primary one first.
     ///
-    /// Over poses a figure is averaged: as a root mean square if its name ends with `rms`, not at all if it is `worst`, the number of
-    /// a component, a marker or the like.
-    fn figures(&self) -> Vec<&'static str>;
+    /// Gates, tables over poses and verdicts are made from this declaration. A list of numbers, such as a curve, needs none: it is
+    /// averaged over poses number by number.
+    fn statistics(&self) -> Vec<Statistic>;
 
-    /// What is worth a second look, and what is bad, of its figures.
-    fn limits(&self) -> Vec<Limit> {
-        vec![]
-    }
-
-    /// Whether it says nothing without a known result.
-    fn needs_truth(&self) -> bool {
+    /// Whether it gives no statistics without a known result.
+    fn needs_ground_truth(&self) -> bool {
         false
     }
 
@@ -51,76 +46,76 @@ pub trait Metric: Debug + Send + Sync {
 
 crate::stage_kind!(Metric, "metric");
 
-/// What a [`Metric`] is bound to.
+/// The meshes at rest that a [`Metric`] is bound to.
 #[derive(Clone, Copy, Debug)]
 pub struct MetricContext<'a> {
     /// The target at rest.
     pub rest: &'a Mesh,
-    /// Its surface.
+    /// The surface of `rest`.
     pub surface: &'a Surface,
-    /// What the target's motion comes from; `None` if only results are known.
+    /// Source, target and markers of the transfer; `None` if only results are known.
     pub pair: Option<TransferPair<'a>>,
-    /// Where on the source each part of the target took its motion from, where the method has such a map.
+    /// The points of the source that parts of the target take their motion from; `None` if the method has no such map.
     pub map: Option<&'a TriangleMap>,
 }
 
 /// A metric that knows the rest meshes.
 pub trait BoundMetric: Send + Sync {
-    /// What there is to say of one pose.
+    /// Measures one pose.
     ///
     /// # Errors
     ///
-    /// [`Error::Shape`] if vertex counts differ, [`Error::Data`] for what cannot be measured.
-    fn measure(&self, pose: MetricInput<'_>) -> Result<Measured>;
+    /// [`Error::Shape`] if vertex counts differ, [`Error::Data`] for positions that cannot be measured.
+    fn measure(&self, input: MetricInput<'_>) -> Result<Measured>;
 }
 
-/// One pose to judge.
+/// The target in one pose, in the numbering of its file and in that of its surface.
+#[derive(Clone, Copy, Debug)]
+pub struct Posed<'a> {
+    /// Positions of the vertices of the target's mesh.
+    pub mesh: &'a [Point3<f64>],
+    /// The same positions for the vertices of its surface (#V), as [`Surface::from_mesh`] gives them.
+    pub surface: &'a [Point3<f64>],
+}
+
+/// One pose to measure.
 #[derive(Clone, Copy, Debug)]
 pub struct MetricInput<'a> {
-    /// The result, for the vertices of the target's mesh.
-    pub result: &'a [Point3<f64>],
-    /// The known result, for the vertices of the target's mesh.
-    pub truth: Option<&'a [Point3<f64>]>,
-    /// The source in this pose, for the vertices of its surface.
+    /// The result.
+    pub result: Posed<'a>,
+    /// The known result.
+    pub ground_truth: Option<Posed<'a>>,
+    /// The source in this pose: positions of the vertices of its surface.
     pub source: Option<&'a [Point3<f64>]>,
-    /// One and two poses before, in the order of the run, where they did not fail: frames, if the run is a motion. A metric of motions
-    /// cannot tell whether it is; it should say nothing alarming of poses that are unrelated.
+    /// One and two poses before, in the order of the run; `None` where they failed or there are none.
+    ///
+    /// They are frames if the run is a motion. A metric of motions cannot know that, so it must not alarm where poses are
+    /// unrelated.
     pub before: [Option<Frame<'a>>; 2],
 }
 
-/// A pose before the one that is judged.
+/// A pose before the one that is measured.
 #[derive(Clone, Copy, Debug)]
 pub struct Frame<'a> {
-    /// The result, for the vertices of the target's mesh.
-    pub result: &'a [Point3<f64>],
-    /// The source, for the vertices of its surface.
+    /// The result.
+    pub result: Posed<'a>,
+    /// The source: positions of the vertices of its surface.
     pub source: Option<&'a [Point3<f64>]>,
 }
 
-/// What a metric says of one pose.
+/// Statistics of one pose.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Measured {
-    /// The figures; none if the pose cannot be judged.
-    pub figures: Figures,
-    /// Figures that are about one thing among many, and which that is, in words, e.g. `marker 28`.
+    /// The values of the declared statistics; none if the pose cannot be measured.
+    pub statistics: Figures,
+    /// Statistics that belong to one thing among many, with the name of that thing, e.g. `marker 28`.
     pub about: Vec<(&'static str, String)>,
-    /// For pictures: how bad each vertex of the target's mesh is (≥ 0, NaN where unknown); empty if that makes no sense.
+    /// For pictures: the error at each vertex of the target's mesh (≥ 0, NaN where unknown); empty if that makes no sense.
     pub field: Vec<f64>,
-    /// What `field` is, with its unit, in a word or two, e.g. `error, %`.
+    /// Name and unit of `field` in a word or two, e.g. `error, %`.
     pub field_unit: &'static str,
-    /// The end of the colours for `field`: a value that is bad.
+    /// The value of `field` at the end of the colour scale.
     pub field_high: f64,
-}
-
-/// From where on a figure is bad.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Limit {
-    /// The figure; what counts is its size without its sign.
-    pub figure: &'static str,
-    /// Above this a person should look.
-    pub doubtful: f64,
-    /// Above this something is wrong.
-    pub bad: f64,
 }
 
 impl<'a> MetricContext<'a> {
@@ -129,38 +124,55 @@ impl<'a> MetricContext<'a> {
         Self { rest, surface, pair: None, map: None }
     }
 
-    /// Checks that `pose` has as many vertices as the meshes.
+    /// The target at rest, as a pose of itself.
+    pub fn at_rest(&self) -> Posed<'a> {
+        Posed { mesh: &self.rest.positions, surface: &self.surface.positions }
+    }
+
+    /// Checks that `input` has as many vertices as the meshes.
     ///
     /// # Errors
     ///
-    /// [`Error::Shape`] that names what differs.
-    pub fn check(&self, pose: &MetricInput<'_>) -> Result<()> {
-        let count = self.rest.positions.len();
-        Error::check_shape("vertices of the result (#V)", count, pose.result.len())?;
-        if let Some(truth) = pose.truth {
-            Error::check_shape("vertices of the truth (#V)", count, truth.len())?;
+    /// [`Error::Shape`] that names the positions whose count differs.
+    pub fn check(&self, input: &MetricInput<'_>) -> Result<()> {
+        self.check_target("vertices of the result (#V)", input.result)?;
+        if let Some(ground_truth) = input.ground_truth {
+            self.check_target("vertices of the truth (#V)", ground_truth)?;
         }
-        if let (Some(pair), Some(source)) = (self.pair, pose.source) {
-            Error::check_shape("vertices of the posed source (#V)", pair.source.vertex_count(), source.len())?;
-        }
-        for frame in pose.before.iter().flatten() {
-            Error::check_shape("vertices of the result before (#V)", count, frame.result.len())?;
-            if let (Some(pair), Some(source)) = (self.pair, frame.source) {
-                Error::check_shape("vertices of the source before (#V)", pair.source.vertex_count(), source.len())?;
-            }
+        self.check_source("vertices of the posed source (#V)", input.source)?;
+        for frame in input.before.iter().flatten() {
+            self.check_target("vertices of the result before (#V)", frame.result)?;
+            self.check_source("vertices of the source before (#V)", frame.source)?;
         }
         Ok(())
+    }
+
+    fn check_target(&self, what: &'static str, posed: Posed<'_>) -> Result<()> {
+        Error::check_shape(what, self.rest.positions.len(), posed.mesh.len())?;
+        Error::check_shape(what, self.surface.vertex_count(), posed.surface.len())
+    }
+
+    fn check_source(&self, what: &'static str, posed: Option<&[Point3<f64>]>) -> Result<()> {
+        let (Some(pair), Some(posed)) = (self.pair, posed) else { return Ok(()) };
+        Error::check_shape(what, pair.source.vertex_count(), posed.len())
+    }
+}
+
+impl<'a> Posed<'a> {
+    /// Positions of a mesh without seams, whose surface has the same vertices.
+    pub fn without_seams(positions: &'a [Point3<f64>]) -> Self {
+        Self { mesh: positions, surface: positions }
     }
 }
 
 impl<'a> MetricInput<'a> {
     /// A result of which nothing else is known.
-    pub fn alone(result: &'a [Point3<f64>]) -> Self {
-        Self { result, truth: None, source: None, before: [None; 2] }
+    pub fn alone(result: Posed<'a>) -> Self {
+        Self { result, ground_truth: None, source: None, before: [None; 2] }
     }
 
-    /// A result and what it should be.
-    pub fn against(result: &'a [Point3<f64>], truth: &'a [Point3<f64>]) -> Self {
-        Self { truth: Some(truth), ..Self::alone(result) }
+    /// A result and the positions that it should have.
+    pub fn against(result: Posed<'a>, ground_truth: Posed<'a>) -> Self {
+        Self { ground_truth: Some(ground_truth), ..Self::alone(result) }
     }
 }

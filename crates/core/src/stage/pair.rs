@@ -7,9 +7,9 @@ use crate::{
 /// The two rest surfaces of a transfer, and the points that the user says correspond.
 #[derive(Clone, Copy, Debug)]
 pub struct TransferPair<'a> {
-    /// Gives its motion.
+    /// The surface that gives its motion.
     pub source: &'a Surface,
-    /// Takes it.
+    /// The surface that takes the motion.
     pub target: &'a Surface,
     /// Pairs of corresponding points; empty if none were given.
     pub markers: &'a [Marker],
@@ -22,9 +22,9 @@ pub struct TransferPair<'a> {
 pub struct Marker {
     /// A name for messages: the user's, or the marker's number in its file.
     pub name: String,
-    /// On the source surface.
+    /// The point on the source surface.
     pub source: SurfacePoint,
-    /// On the target surface.
+    /// The point on the target surface.
     pub target: SurfacePoint,
 }
 

@@ -3,7 +3,7 @@ use std::fmt::Debug;
 use nalgebra::Point3;
 
 use super::{TransferPair, TriangleMap};
-use crate::{Figures, Result};
+use crate::{Error, Figures, Result};
 
 /// Moves the target as the source moves.
 ///
@@ -15,48 +15,71 @@ use crate::{Figures, Result};
 /// - the source at rest gives the target at rest;
 /// - one rigid motion of the source moves a target of the same shape and place by it;
 /// - results are finite and have #V of the target entries;
+/// - without a map, `bind` succeeds or refuses as [`needs_correspondence`](Self::needs_correspondence) says;
 /// - equal inputs give equal results, on one thread or many, in any order of poses.
 #[typetag::serde(tag = "type")]
 pub trait Transfer: Debug + Send + Sync {
-    /// Prepares the transfer between the rest surfaces of `pair` along `map`.
+    /// Prepares the transfer between the rest surfaces of the input's pair.
     ///
     /// # Errors
     ///
-    /// If `map` does not belong to the surfaces, or the target is of a kind that this method cannot move.
-    fn bind(&self, pair: TransferPair<'_>, map: &TriangleMap) -> Result<Box<dyn BoundTransfer>>;
+    /// If the map is missing where it is needed or does not belong to the surfaces, if a pose has another length than the source,
+    /// or if the target is of a kind that this method cannot move.
+    fn bind(&self, input: BindInput<'_>) -> Result<Box<dyn BoundTransfer>>;
 
     /// Looks for what [`bind`](Self::bind) would refuse, as far as that takes little time, so that a pipeline can be
     /// checked without computing.
     ///
     /// # Errors
     ///
-    /// As [`bind`](Self::bind).
+    /// The errors of [`bind`](Self::bind).
     fn check(&self, _pair: TransferPair<'_>) -> Result<()> {
         Ok(())
     }
 
-    /// Whether [`bind`](Self::bind) looks at its map; where not, a pipeline may do without a correspondence.
+    /// Whether [`bind`](Self::bind) needs a map; where not, a pipeline may do without a correspondence.
     fn needs_correspondence(&self) -> bool {
         true
     }
 
-    /// How many poses of the source [`bind_to_poses`](Self::bind_to_poses) wants to see; they are held in memory together.
+    /// How many poses of the source [`bind`](Self::bind) wants to see; they are held in memory together.
     fn poses_wanted(&self) -> usize {
         0
     }
+}
 
-    /// As [`bind`](Self::bind), having seen `poses` of the source (each #V): at most as many as wanted, spread over all.
+/// The rest surfaces that a transfer is bound to, and what is known of them.
+#[derive(Clone, Copy, Debug)]
+pub struct BindInput<'a> {
+    /// The rest surfaces with their markers and the proximity of the target's components.
+    pub pair: TransferPair<'a>,
+    /// Where on the source each triangle of the target takes its motion from; `None` if there is no correspondence.
+    pub map: Option<&'a TriangleMap>,
+    /// Poses of the source, #V of the source each: at most as many as [`poses_wanted`](Transfer::poses_wanted), evenly spread
+    /// over all of them. Empty if there are none to see.
+    pub poses: &'a [Vec<Point3<f64>>],
+}
+
+impl<'a> BindInput<'a> {
+    /// The input along `map`, without poses.
+    pub fn new(pair: TransferPair<'a>, map: &'a TriangleMap) -> Self {
+        Self { pair, map: Some(map), poses: &[] }
+    }
+
+    /// The map, for transfers that cannot do without one.
     ///
     /// # Errors
     ///
-    /// As [`bind`](Self::bind), and if a pose has another length.
-    fn bind_to_poses(
-        &self,
-        pair: TransferPair<'_>,
-        map: &TriangleMap,
-        _poses: &[Vec<Point3<f64>>],
-    ) -> Result<Box<dyn BoundTransfer>> {
-        self.bind(pair, map)
+    /// [`Error::Data`] if there is none, and those of [`TriangleMap::check`].
+    pub fn require_map(&self) -> Result<&'a TriangleMap> {
+        let map = self.map.ok_or_else(|| {
+            Error::data(
+                "the transfer needs a `correspondence`, and there is none",
+                "add e.g. `correspondence: { type: nonrigid_fit }` to the pipeline",
+            )
+        })?;
+        map.check(self.pair)?;
+        Ok(map)
     }
 }
 
@@ -66,8 +89,7 @@ pub trait BoundTransfer: Debug + Send + Sync {
     ///
     /// # Errors
     ///
-    /// [`Error::Shape`](crate::Error::Shape) if `posed` has another length; [`Error::Data`](crate::Error::Data) if it is
-    /// not finite.
+    /// [`Error::Shape`] if `posed` has another length; [`Error::Data`] if it is not finite.
     fn transfer(&self, posed: &[Point3<f64>]) -> Result<Transferred>;
 
     /// A fresh start of a motion, for transfers that take poses as frames of one motion, each found from those before; `None`,
@@ -76,7 +98,7 @@ pub trait BoundTransfer: Debug + Send + Sync {
         None
     }
 
-    /// What was found while binding.
+    /// The report of binding.
     fn figures(&self) -> Figures;
 }
 
@@ -88,7 +110,7 @@ pub trait Motion: Send {
     ///
     /// # Errors
     ///
-    /// As [`BoundTransfer::transfer`]; the motion can go on with the frame after.
+    /// The errors of [`BoundTransfer::transfer`]; the motion can go on with the frame after.
     fn frame(&mut self, frame: usize, posed: &[Point3<f64>]) -> Result<Transferred>;
 }
 

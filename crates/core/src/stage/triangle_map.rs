@@ -3,32 +3,25 @@ use serde::{Deserialize, Serialize};
 use super::TransferPair;
 use crate::{Error, Figures, Result, mesh::SurfacePoint, spatial::Nearest};
 
-/// Where on the source each part of the target takes its motion from.
+/// The triangle correspondence: where on the source each part of the target takes its motion from.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct TriangleMap {
     /// #F of the source.
-    pub source_triangles: usize,
-    /// For each target triangle (#F of the target) the source triangle that it moves like; `None` for an orphan.
-    pub partners: Vec<Option<u32>>,
+    #[serde(rename = "source_triangles")]
+    pub source_triangle_count: usize,
+    /// For each target triangle (#F of the target) the source triangle that it moves like, its partner; `None` for an orphan.
+    #[serde(rename = "partners")]
+    pub triangles: Vec<Option<u32>>,
     /// For each target vertex (#V of the target) the point of the source that it lies at, `None` where there is none.
     ///
     /// Empty if triangles correspond as wholes, as on meshes of one topology.
     pub points: Vec<Option<SurfacePoint>>,
-    /// What the correspondence says of its work.
+    /// The report of the correspondence.
     #[serde(skip)]
     pub figures: Figures,
 }
 
 impl TriangleMap {
-    /// The map that knows nothing: every target triangle an orphan.
-    pub fn unknown(pair: TransferPair<'_>) -> Self {
-        Self {
-            source_triangles: pair.source.triangle_count(),
-            partners: vec![None; pair.target.triangle_count()],
-            ..Self::default()
-        }
-    }
-
     /// Checks that the map belongs to the surfaces of `pair`.
     ///
     /// # Errors
@@ -36,13 +29,17 @@ impl TriangleMap {
     /// [`Error::Shape`], or [`Error::Data`] if a partner does not exist or there is no partner at all.
     pub fn check(&self, pair: TransferPair<'_>) -> Result<()> {
         let (source, target) = (pair.source, pair.target);
-        Error::check_shape("correspondence: triangles of the source", source.triangle_count(), self.source_triangles)?;
-        Error::check_shape("correspondence: triangles of the target", target.triangle_count(), self.partners.len())?;
+        Error::check_shape(
+            "correspondence: triangles of the source",
+            source.triangle_count(),
+            self.source_triangle_count,
+        )?;
+        Error::check_shape("correspondence: triangles of the target", target.triangle_count(), self.triangles.len())?;
         if !self.points.is_empty() {
             Error::check_shape("correspondence: vertices of the target", target.vertex_count(), self.points.len())?;
         }
         let hint = "make the correspondence again for these meshes";
-        if let Some(missing) = self.partners.iter().flatten().find(|&&p| p as usize >= source.triangle_count()) {
+        if let Some(missing) = self.triangles.iter().flatten().find(|&&p| p as usize >= source.triangle_count()) {
             let last = source.triangle_count() - 1;
             return Err(Error::data(
                 format!("correspondence: the source has no triangle {missing}: expected 0 to {last}"),
@@ -56,7 +53,7 @@ impl TriangleMap {
         if let Some(missing) = self.points.iter().flatten().find(|p| !exists(p)) {
             return Err(Error::data(format!("correspondence: the source has no point {missing:?}"), hint));
         }
-        if self.partners.iter().all(Option::is_none) {
+        if self.triangles.iter().all(Option::is_none) {
             return Err(Error::data(
                 "correspondence: no target triangle has a partner on the source",
                 "check that both meshes show the same kind of thing in a similar pose and place, and give more markers where the \
@@ -71,13 +68,13 @@ impl TriangleMap {
     ///
     /// # Errors
     ///
-    /// As [`check`](Self::check).
+    /// The errors of [`check`](Self::check).
     pub fn source_points(&self, pair: TransferPair<'_>) -> Result<Vec<SurfacePoint>> {
         self.check(pair)?;
         let target = pair.target;
         let mut points = self.points.clone();
         points.resize(target.vertex_count(), None);
-        for (corners, partner) in target.triangles.iter().zip(&self.partners) {
+        for (corners, partner) in target.triangles.iter().zip(&self.triangles) {
             let Some(partner) = partner else { continue };
             for (&v, &u) in corners.iter().zip(&pair.source.triangles[*partner as usize]) {
                 points[v as usize].get_or_insert(SurfacePoint::Vertex(u));
@@ -95,7 +92,7 @@ impl TriangleMap {
 
     /// Number of target triangles without a partner.
     pub fn orphan_count(&self) -> usize {
-        self.partners.iter().filter(|p| p.is_none()).count()
+        self.triangles.iter().filter(|p| p.is_none()).count()
     }
 }
 
@@ -108,9 +105,9 @@ mod tests {
     fn every_target_vertex_gets_a_source_point_where_one_triangle_has_a_partner() {
         let surface = meshes::icosphere(1);
         let pair = TransferPair { source: &surface, target: &surface, markers: &[], proximity: None };
-        let mut map = TriangleMap { partners: vec![None; 80], source_triangles: 80, ..TriangleMap::default() };
+        let mut map = TriangleMap { triangles: vec![None; 80], source_triangle_count: 80, ..TriangleMap::default() };
         assert!(map.source_points(pair).is_err(), "no partner at all");
-        map.partners[3] = Some(3);
+        map.triangles[3] = Some(3);
         let points = map.source_points(pair).unwrap();
         let corners = surface.triangles[3].map(SurfacePoint::Vertex);
         assert!(points.iter().all(|point| corners.contains(point)), "all others take the nearest of three");

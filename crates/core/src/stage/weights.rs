@@ -46,7 +46,7 @@ pub trait BoundWeights: Debug + Send + Sync {
     /// component is reached by none; it names them.
     fn solve(&self, handles: &[usize]) -> Result<HandleWeights>;
 
-    /// What was found while binding.
+    /// The report of binding.
     fn figures(&self) -> Figures;
 }
 

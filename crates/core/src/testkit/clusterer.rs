@@ -1,8 +1,8 @@
 //! The contract of clusterers.
 
 use super::{
-    contracts::{bent_bar, one_thread, twisted, with_defects},
     deformer::soft_weights,
+    support::{bent_bar, one_thread, twisted, with_defects},
 };
 use crate::{
     mesh::Surface,
@@ -21,7 +21,7 @@ pub fn clusterer(name: &str, stage: &dyn Clusterer) {
             };
             for handles in [&[5, 40, 77, 60, 21][..], &[9], &[5, 40, 40, 40]] {
                 let regions = run(handles);
-                holds(name, &surface, &regions, handles.len());
+                check_laws(name, &surface, &regions, handles.len());
                 let same = |other: Regions| other.of_vertex == regions.of_vertex && other.count == regions.count;
                 assert!(same(run(handles)), "{name}: other regions the next time");
                 assert!(same(one_thread(|| run(handles))), "{name}: other regions on one thread");
@@ -34,7 +34,7 @@ pub fn clusterer(name: &str, stage: &dyn Clusterer) {
     }
 }
 
-fn holds(name: &str, surface: &Surface, regions: &Regions, handles: usize) {
+fn check_laws(name: &str, surface: &Surface, regions: &Regions, handles: usize) {
     regions.check(surface.vertex_count()).unwrap_or_else(|error| panic!("{name}: {error}"));
     assert!(regions.count <= handles, "{name}: {} regions of {handles} handles", regions.count);
     for region in 0..regions.count as u32 {

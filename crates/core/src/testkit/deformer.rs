@@ -3,8 +3,8 @@
 use nalgebra::{DMatrix, Isometry3, Matrix3x4, Point3};
 
 use super::{
-    contracts::{bent_bar, near, one_thread, twisted, with_defects},
     random::Random,
+    support::{bent_bar, near, one_thread, twisted, with_defects},
 };
 use crate::{
     Figures,

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use nalgebra::Point3;
 
-use super::contracts::{bent_bar, near_within, twisted};
+use super::support::{bent_bar, near_within, twisted};
 use crate::{
     mesh::Mesh,
     stage::{Format, MeshWriter},

@@ -2,25 +2,25 @@
 
 use std::sync::Mutex;
 
-use super::contracts::{bent_bar, one_thread, twisted, with_defects};
+use super::support::{bent_bar, one_thread, twisted, with_defects};
 use crate::{
     mesh::SurfacePoint,
     stage::{ChoiceStep, ChoiceWatch, Chosen, KeyPoints, KeyPointsInput},
 };
 
-/// Keeps what it is told, and interrupts after a number of steps.
-struct Told {
+/// Records the steps that it is told of, and interrupts after a number of steps.
+struct Recorder {
     steps: Mutex<Vec<ChoiceStep>>,
-    patience: usize,
+    max_steps: usize,
 }
 
-impl ChoiceWatch for Told {
+impl ChoiceWatch for Recorder {
     fn step(&self, step: &ChoiceStep) {
         self.steps.lock().expect("no panic while held").push(step.clone());
     }
 
     fn is_interrupted(&self) -> bool {
-        self.steps.lock().expect("no panic while held").len() >= self.patience
+        self.steps.lock().expect("no panic while held").len() >= self.max_steps
     }
 }
 
@@ -32,16 +32,20 @@ pub fn key_points(name: &str, stage: &dyn KeyPoints) {
         let choose = |input: KeyPointsInput<'_>, watch: &dyn ChoiceWatch| {
             stage.choose(input, watch).unwrap_or_else(|error| panic!("{name}: {error}"))
         };
-        let told = Told { steps: Mutex::default(), patience: usize::MAX };
-        let chosen = choose(input, &told);
-        holds(name, &chosen, source.vertex_count());
-        assert_eq!(*told.steps.lock().expect("no panic"), chosen.steps, "{name}: steps are told as they are kept");
+        let recorder = Recorder { steps: Mutex::default(), max_steps: usize::MAX };
+        let chosen = choose(input, &recorder);
+        check_laws(name, &chosen, source.vertex_count());
+        assert_eq!(
+            *recorder.steps.lock().expect("no panic"),
+            chosen.steps,
+            "{name}: the steps reported are those kept"
+        );
         assert!(chosen.points == one_thread(|| choose(input, &())).points, "{name}: other points on one thread");
 
-        let hasty = choose(input, &Told { steps: Mutex::default(), patience: 2 });
+        let hasty = choose(input, &Recorder { steps: Mutex::default(), max_steps: 2 });
         assert!(hasty.steps.len() <= chosen.steps.len(), "{name}: an interrupt ends the choice");
         let resumed = choose(KeyPointsInput { start: &hasty.points, ..input }, &());
-        holds(name, &resumed, source.vertex_count());
+        check_laws(name, &resumed, source.vertex_count());
         assert!(resumed.points.len() >= hasty.points.len(), "{name}: points to start from are kept or exchanged");
 
         let short = [poses[0][1..].to_vec()];
@@ -56,7 +60,7 @@ pub fn key_points(name: &str, stage: &dyn KeyPoints) {
     }
 }
 
-fn holds(name: &str, chosen: &Chosen, vertices: usize) {
+fn check_laws(name: &str, chosen: &Chosen, vertices: usize) {
     assert!(!chosen.points.is_empty(), "{name}: no point");
     for (k, point) in chosen.points.iter().enumerate() {
         if let SurfacePoint::Vertex(vertex) = point {
@@ -67,7 +71,7 @@ fn holds(name: &str, chosen: &Chosen, vertices: usize) {
     for pair in chosen.steps.windows(2) {
         assert!(pair[1].error <= pair[0].error, "{name}: the error rises: {} to {}", pair[0].error, pair[1].error);
     }
-    // What looks at no pose has no steps to tell.
+    // What looks at no pose has no steps to report.
     if let Some(last) = chosen.steps.last() {
         assert_eq!(last.points, chosen.points, "{name}: the last step is the result");
     }

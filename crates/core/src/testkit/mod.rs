@@ -1,13 +1,19 @@
-//! What tests of stages need: fixture meshes and seeded random numbers.
+//! Tools for tests of stages: contracts, fixture meshes, seeded random numbers, and meshes from outside the repository.
 
 mod clusterer;
 pub mod contracts;
+mod correspondence;
+pub mod data;
 mod deformer;
 mod format;
+mod generator;
 mod key_points;
 pub mod meshes;
 mod metric;
+mod proximity;
 pub mod random;
 mod registered;
 mod sampler;
+mod support;
+mod transfer;
 mod weights;

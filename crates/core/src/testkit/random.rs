@@ -33,11 +33,6 @@ impl Random {
     }
 }
 
-/// The first rotation of [`Random`] for this seed.
-pub fn random_rotation(seed: u64) -> UnitQuaternion<f64> {
-    Random::new(seed).rotation()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

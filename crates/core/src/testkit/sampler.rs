@@ -3,8 +3,8 @@
 use std::collections::HashSet;
 
 use super::{
-    contracts::{one_thread, with_defects},
     meshes,
+    support::{one_thread, with_defects},
 };
 use crate::{
     mesh::{Surface, SurfacePoint},

@@ -3,10 +3,11 @@
 use nalgebra::DMatrix;
 
 use super::{
-    contracts::{bent_bar, one_thread, with_defects},
     meshes,
+    support::{bent_bar, one_thread, with_defects},
 };
 use crate::{
+    Figures,
     mesh::{Surface, SurfacePoint},
     stage::{Link, ProximityGraph, Weights},
 };
@@ -39,14 +40,14 @@ fn on_surface(
     };
     let handles = [0, 1, 2, 4, 5];
     let w = run(&handles);
-    holds(name, surface, &w, &handles.map(|h| vertices[h]));
+    check_laws(name, surface, &w, &handles.map(|h| vertices[h]));
     assert!(w == run(&handles) && w == one_thread(|| run(&handles)), "{name}: other weights the next time");
 
     // One binding serves any choice, and another order of handles is another order of columns.
     let bound = stage.bind(surface, &points, proximity).unwrap_or_else(|error| panic!("{name}: {error}"));
     let solve = |handles: &[usize]| bound.solve(handles).unwrap_or_else(|error| panic!("{name}: {error}")).matrix;
     let fewer = solve(&[1, 3, 0]);
-    holds(name, surface, &fewer, &[1, 3, 0].map(|h: usize| vertices[h]));
+    check_laws(name, surface, &fewer, &[1, 3, 0].map(|h: usize| vertices[h]));
     assert!(w == solve(&handles), "{name}: other weights after another choice of handles");
     let order = [3, 0, 4, 2, 1];
     let reordered = solve(&order.map(|k| handles[k]));
@@ -56,7 +57,7 @@ fn on_surface(
     }
 }
 
-fn holds(name: &str, surface: &Surface, w: &DMatrix<f64>, handles: &[u32]) {
+fn check_laws(name: &str, surface: &Surface, w: &DMatrix<f64>, handles: &[u32]) {
     assert_eq!(w.shape(), (surface.vertex_count(), handles.len()), "{name}: W is #V × #H");
     assert!(w.iter().all(|x| x.is_finite()), "{name}: weights are finite");
     for (v, row) in w.row_iter().enumerate() {
@@ -84,22 +85,15 @@ fn components(name: &str, stage: &dyn Weights, two: &Surface) {
     let error = bind(None).solve(&[0, 2]).expect_err("a component without a handle").to_string();
     assert!(error.contains("component") && error.contains("from vertex 42"), "{name}: {error}");
 
-    let graph = ProximityGraph {
-        links: vec![Link {
-            components: [0, 1],
-            distance: 1.0,
-            in_tree: true,
-            stiffness: 1.0,
-            pairs: vec![[4, 48], [0, 42]],
-        }],
-        ..ProximityGraph::unlinked(two)
-    };
+    let pairs = vec![[4, 48], [0, 42]];
+    let link = Link { components: [0, 1], distance: 1.0, in_tree: true, stiffness: 1.0, pairs };
+    let graph = ProximityGraph::new(two.components(), vec![link], Figures::default()).expect("two components");
     let bridged = bind(Some(&graph)).solve(&[0, 2]).unwrap_or_else(|error| panic!("{name}: {error}")).matrix;
-    holds(name, two, &bridged, &[3, 11]);
+    check_laws(name, two, &bridged, &[3, 11]);
     on_surface(name, stage, two, &[3, 60, 11, 25, 50, 41], Some(&graph));
 }
 
-/// What is refused, by a name.
+/// Checks that mistakes are refused, and named.
 fn mistakes(name: &str, stage: &dyn Weights, two: &Surface) {
     let points = [SurfacePoint::Vertex(3), SurfacePoint::Vertex(60), SurfacePoint::Triangle(0, [0.1, 0.1, 0.8])];
     let corner = two.triangles[0][2];

@@ -1,3 +1,5 @@
+//! The energy of the deformed target, as a quadratic in its vertices and fourth vertices.
+
 use mimesh_core::{
     Result,
     linalg::{Assembly, FixedUnknowns},
@@ -7,20 +9,31 @@ use mimesh_core::{
 };
 use nalgebra::{Matrix3, Point3};
 
-use super::{NonrigidFit, UnitFrame, ties::ties};
+use super::{link_elements::link_elements, unit_frame::UnitFrame};
 
 /// Numbers of a usual mesh, for which the papers' weights are meant.
-const USUAL_TRIANGLES: f64 = 40_000.0;
-const USUAL_VERTICES: f64 = 20_000.0;
+const REFERENCE_TRIANGLES: f64 = 40_000.0;
+const REFERENCE_VERTICES: f64 = 20_000.0;
 
 /// How strongly a marker inside a target triangle is held, relative to `smoothness`; markers at vertices are exact.
 const MARKER_WEIGHT: f64 = 1e6;
 
 /// Triangles with a smaller relative height get no element: its gradient, squared, would drown all others.
-const NEEDLE: f64 = 1e-5;
+const MIN_RELATIVE_HEIGHT: f64 = 1e-5;
 
 /// How strongly the vertices of triangles without an element are tied to each other, so that they follow their neighbours.
 const DEGENERATE_WEIGHT: f64 = 1e-3;
+
+/// Weights of the terms of the energy that do not change with the steps, as in the settings of `nonrigid_fit`.
+#[derive(Clone, Copy, Debug)]
+pub struct EnergyWeights {
+    /// w_S.
+    pub smoothness: f64,
+    /// w_I.
+    pub identity: f64,
+    /// w_R, relative to the two others.
+    pub proximity: f64,
+}
 
 /// The triangles of the target with their fourth vertices, each a tetrahedron with a constant deformation gradient.
 pub struct Elements<'a> {
@@ -39,7 +52,7 @@ impl<'a> Elements<'a> {
             .iter()
             .map(|&[a, b, c]| {
                 let corners = [a, b, c].map(|v| rest[v as usize]);
-                if relative_height(&corners) < NEEDLE {
+                if relative_height(&corners) < MIN_RELATIVE_HEIGHT {
                     return None;
                 }
                 unknowns += 1;
@@ -51,31 +64,31 @@ impl<'a> Elements<'a> {
     }
 
     /// The energy without closest points, ready to be minimised.
-    pub fn system(&self, settings: &NonrigidFit, pair: TransferPair<'_>, unit: &UnitFrame) -> Result<System> {
+    pub fn system(&self, weights: EnergyWeights, pair: TransferPair<'_>, unit: &UnitFrame) -> Result<System> {
         let n = self.unknowns;
         let mut assembly = Assembly::new(n);
         let mut rhs = vec![0.0; 3 * n];
-        let (smoothness, identity) = (settings.smoothness, settings.identity);
+        let EnergyWeights { smoothness, identity, proximity } = weights;
         let rest = Matrix3::identity();
         let areas = self.surface.area_normals(&unit.target);
         let area: f64 = areas.iter().map(|n| n.norm()).sum();
         for (element, n) in self.elements.iter().zip(&areas) {
             if let Some(element) = element {
-                let share = n.norm() / area * USUAL_TRIANGLES;
-                element.attract(&rest, identity * share, &mut assembly, &mut rhs);
+                let share = n.norm() / area * REFERENCE_TRIANGLES;
+                element.add_target(&rest, identity * share, &mut assembly, &mut rhs);
             }
         }
         for [a, b] in self.surface.topology().adjacent {
             if let (Some(a), Some(b)) = (&self.elements[a as usize], &self.elements[b as usize]) {
-                a.agree(b, smoothness, &mut assembly);
+                a.add_smoothness(b, smoothness, &mut assembly);
             }
         }
         if let Some(graph) = pair.proximity {
-            for (a, b, stiffness) in ties(&unit.target, self.surface, graph, &self.elements) {
-                let weight = stiffness * settings.proximity;
-                a.agree(&b, weight * smoothness, &mut assembly);
-                a.attract(&rest, weight * identity, &mut assembly, &mut rhs);
-                b.attract(&rest, weight * identity, &mut assembly, &mut rhs);
+            for (a, b, stiffness) in link_elements(&unit.target, self.surface, graph, &self.elements) {
+                let weight = stiffness * proximity;
+                a.add_smoothness(&b, weight * smoothness, &mut assembly);
+                a.add_target(&rest, weight * identity, &mut assembly, &mut rhs);
+                b.add_target(&rest, weight * identity, &mut assembly, &mut rhs);
             }
         }
         for (t, _) in self.surface.triangles.iter().zip(&self.elements).filter(|(_, e)| e.is_none()) {
@@ -96,7 +109,7 @@ impl<'a> Elements<'a> {
                 }
                 SurfacePoint::Triangle(triangle, barycentric) => {
                     let corners = self.surface.triangles[triangle as usize];
-                    let weight = MARKER_WEIGHT * settings.smoothness.max(settings.identity);
+                    let weight = MARKER_WEIGHT * smoothness.max(identity);
                     assembly.add_outer(&corners, &barycentric.map(|b| [b]), weight);
                     for (&v, b) in corners.iter().zip(barycentric) {
                         (0..3).for_each(|c| rhs[c * n + v as usize] += weight * b * at[c]);
@@ -104,10 +117,10 @@ impl<'a> Elements<'a> {
                 }
             }
         }
-        self.fix_loose(&unit.target, &mut fixed, &mut values);
+        self.fix_unreferenced(&unit.target, &mut fixed, &mut values);
         let system = FixedUnknowns::new(&assembly.finish(), &fixed, "the fit of the target to the markers")?;
         let total: f64 = self.mass.iter().sum();
-        let share = self.mass.iter().map(|m| m / total * USUAL_VERTICES).collect();
+        let share = self.mass.iter().map(|m| m / total * REFERENCE_VERTICES).collect();
         Ok(System { system, rhs, values: values.concat(), share, weight: 0.0, x: vec![] })
     }
 
@@ -127,7 +140,7 @@ impl<'a> Elements<'a> {
     }
 
     /// Holds vertices that no triangle uses where they are: nothing else would.
-    fn fix_loose(&self, rest: &[Point3<f64>], fixed: &mut Vec<u32>, values: &mut [Vec<f64>; 3]) {
+    fn fix_unreferenced(&self, rest: &[Point3<f64>], fixed: &mut Vec<u32>, values: &mut [Vec<f64>; 3]) {
         let mut used = vec![false; rest.len()];
         self.surface.triangles.iter().flatten().for_each(|&v| used[v as usize] = true);
         fixed.iter().for_each(|&v| used[v as usize] = true);
@@ -154,14 +167,14 @@ pub struct System {
 
 impl System {
     /// Changes E_C: its weight and which vertices have a closest point.
-    pub fn attract(&mut self, weight: f64, points: &[Option<Point3<f64>>]) -> Result<()> {
+    pub fn add_targets(&mut self, weight: f64, points: &[Option<Point3<f64>>]) -> Result<()> {
         self.weight = weight;
         let share = &self.share;
-        let pull = |i: usize| if points.get(i).is_some_and(Option::is_some) { weight * share[i] } else { 0.0 };
-        self.system.set_diagonal(pull)
+        let strength = |i: usize| if points.get(i).is_some_and(Option::is_some) { weight * share[i] } else { 0.0 };
+        self.system.set_diagonal(strength)
     }
 
-    /// The deformed vertices, #V; `points` as in the last [`attract`](Self::attract), or empty.
+    /// The deformed vertices, #V; `points` as in the last [`add_targets`](Self::add_targets), or empty.
     pub fn solve(&mut self, points: &[Option<Point3<f64>>]) -> Vec<Point3<f64>> {
         let n = self.rhs.len() / 3;
         let mut rhs = self.rhs.clone();

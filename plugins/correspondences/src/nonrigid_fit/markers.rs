@@ -1,15 +1,18 @@
-use mimesh_core::{Error, Result, stage::TransferPair};
+use mimesh_core::{
+    Error, Result,
+    stage::{ProximityGraph, TransferPair},
+};
 use nalgebra::{Matrix3, Point3, Vector3};
 
 /// How many markers a fit needs: three points that span a plane say how two shapes lie to each other.
-pub const NEEDED: usize = 3;
+pub const MIN_MARKERS: usize = 3;
 
 /// Checks that markers exist, are distinct, span a plane on either side, and that each component of the target has one.
 pub fn check(pair: TransferPair<'_>) -> Result<()> {
     let count = pair.markers.len();
-    if count < NEEDED {
+    if count < MIN_MARKERS {
         return Err(Error::data(
-            format!("{count} markers: expected at least {NEEDED}"),
+            format!("{count} markers: expected at least {MIN_MARKERS}"),
             "give pairs of corresponding points with `markers: FILE`; about 20, spread over the whole shape, do well",
         ));
     }
@@ -36,9 +39,9 @@ pub fn check(pair: TransferPair<'_>) -> Result<()> {
         }
     }
     // A component that is linked to a marked one, in whatever number of steps, follows it.
-    let links = pair.proximity.map_or(&[][..], |graph| &graph.links);
     for _ in 0..components.count() {
-        let reached = links.iter().map(|link| link.components.map(|c| c as usize));
+        let reached =
+            pair.proximity.into_iter().flat_map(ProximityGraph::links).map(|link| link.components.map(|c| c as usize));
         let news: Vec<_> = reached.filter(|&[a, b]| marked[a] != marked[b]).collect();
         if news.is_empty() {
             break;

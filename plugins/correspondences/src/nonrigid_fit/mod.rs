@@ -7,7 +7,7 @@
 //! E_S = Σ over adjacent triangles ‖F_a − F_b‖², E_I = Σ ‖F_a − I‖², E_C = Σ over vertices with a valid closest point
 //! ‖x_i − c_i‖² (Sumner and Popović 2004, eqs. 8–11; Zhou et al. 2010, eq. 3), F being the deformation gradient with the
 //! fourth vertex, which stays an unknown here because F is compared between triangles of different planes. E_R (eq. 4, in
-//! `ties`) lets linked components follow each other, where the pair has a proximity graph.
+//! `link_elements`) lets linked components follow each other, where the pair has a proximity graph.
 //!
 //! Departures from the papers:
 //! - the source is first brought to the place and size of the target by the similarity that the markers say, and both are
@@ -25,22 +25,27 @@
 //! Cost: one symbolic and 1 + `steps` numeric factorisations of a matrix of #V + #F of the target.
 
 mod elements;
+mod link_elements;
 mod markers;
-mod ties;
+mod unit_frame;
 
 use mimesh_core::{
-    Error, Figures, Result,
+    Figures, Result,
     mesh::SurfacePoint,
     operators::vertex_normals,
+    plugin::check_ranges,
     register,
-    spatial::{Orientation, Similarity},
+    spatial::Orientation,
     stage::{Correspondence, TransferPair, TriangleMap},
 };
 use nalgebra::Point3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use self::elements::Elements;
+use self::{
+    elements::{Elements, EnergyWeights},
+    unit_frame::UnitFrame,
+};
 use crate::facing::Facing;
 
 register!(Correspondence: NonrigidFit);
@@ -48,13 +53,13 @@ register!(Correspondence: NonrigidFit);
 /// Deforms the target onto the source, guided by markers and closest points, and pairs triangles that then lie together
 /// (Sumner and Popović 2004; Zhou et al. 2010, section 2.2).
 ///
-/// For two shapes of any topology, with a dozen markers or more. Every component of the target needs a marker, or links by
+/// It suits two shapes of any topology, with a dozen markers or more. Every component of the target needs a marker, or links by
 /// `proximity:` to one that has.
 #[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct NonrigidFit {
     /// w_S: how alike the deformation of neighbouring triangles is kept. Only ratios of weights matter.
-    #[schemars(range(min = 0.0))]
+    #[schemars(range(min = 1e-12))]
     pub smoothness: f64,
     /// w_I: how little triangles change at all. The papers' 0.001 is for meshes of no stated size; ten times that measures
     /// better in the unit frame.
@@ -64,6 +69,7 @@ pub struct NonrigidFit {
     #[schemars(range(min = 0.0))]
     pub proximity: f64,
     /// w_C in the first and in the last step with closest points; it grows geometrically in between.
+    #[schemars(inner(range(min = 0.0)))]
     pub closest: [f64; 2],
     /// Number of steps with closest points, each with a search and a solve; 0 leaves the fit to the markers.
     #[schemars(range(max = 100))]
@@ -72,7 +78,7 @@ pub struct NonrigidFit {
     #[schemars(range(min = 0.0))]
     pub max_distance: f64,
     /// On targets of several components, a vertex whose valid point lies this much deeper than the closest point of all, in
-    /// diagonals of the target, is taken for an inner side, as of a plate or a stone: the source has none, and the vertex
+    /// diagonals of the target, is taken for an inner side, as of a plate or a pebble: the source has none, and the vertex
     /// takes the closest point whichever way it faces.
     #[schemars(range(min = 0.0))]
     pub inner_depth: f64,
@@ -114,35 +120,24 @@ impl Correspondence for NonrigidFit {
                 points[vertex as usize] = Some(marker.source);
             }
         }
-        let mut partners = facing.partners(&fit, &target.triangles, f64::INFINITY);
-        for (partner, t) in partners.iter_mut().zip(&target.triangles) {
+        let mut triangles = facing.triangles(&fit, &target.triangles, f64::INFINITY);
+        for (partner, t) in triangles.iter_mut().zip(&target.triangles) {
             *partner = partner.filter(|_| t.iter().any(|&v| valid[v as usize]));
         }
-        Ok(TriangleMap { source_triangles: source.triangle_count(), partners, points, figures })
+        Ok(TriangleMap { source_triangle_count: source.triangle_count(), triangles, points, figures })
     }
 
     fn check(&self, pair: TransferPair<'_>) -> Result<()> {
-        self.check_settings()?;
+        check_ranges(self)?;
         markers::check(self.linked(pair))
     }
 
     fn markers_needed(&self) -> usize {
-        markers::NEEDED
+        markers::MIN_MARKERS
     }
 }
 
 impl NonrigidFit {
-    fn check_settings(&self) -> Result<()> {
-        Error::check_setting("smoothness", self.smoothness, 1e-12, f64::INFINITY)?;
-        Error::check_setting("identity", self.identity, 1e-12, f64::INFINITY)?;
-        Error::check_setting("proximity", self.proximity, 0.0, f64::INFINITY)?;
-        Error::check_setting("closest[0]", self.closest[0], 0.0, f64::INFINITY)?;
-        Error::check_setting("closest[1]", self.closest[1], 0.0, f64::INFINITY)?;
-        Error::check_setting("max_distance", self.max_distance, 0.0, f64::INFINITY)?;
-        Error::check_setting("inner_depth", self.inner_depth, 0.0, f64::INFINITY)?;
-        Error::check_setting("steps", self.steps as f64, 0.0, 100.0)
-    }
-
     /// The pair without its proximity if that is not to count.
     fn linked<'a>(&self, pair: TransferPair<'a>) -> TransferPair<'a> {
         if self.proximity > 0.0 { pair } else { TransferPair { proximity: None, ..pair } }
@@ -157,13 +152,15 @@ impl NonrigidFit {
     ) -> Result<(Vec<Point3<f64>>, Points, Figures)> {
         let triangles = &pair.target.triangles;
         let elements = Elements::new(&unit.target, pair.target);
-        let mut system = elements.system(self, pair, unit)?;
+        let NonrigidFit { smoothness, identity, proximity, .. } = *self;
+        let weights = EnergyWeights { smoothness, identity, proximity };
+        let mut system = elements.system(weights, pair, unit)?;
         let mut fit = system.solve(&[]);
         let found = |fit: &[Point3<f64>]| facing.points(fit, &vertex_normals(fit, triangles), self.max_distance);
         let place = |point: &SurfacePoint| point.position(pair.source, &unit.source);
         for step in 0..self.steps {
             let goals: Vec<_> = found(&fit).iter().map(|point| point.as_ref().map(place)).collect();
-            system.attract(self.closest_weight(step), &goals)?;
+            system.add_targets(self.closest_weight(step), &goals)?;
             fit = system.solve(&goals);
         }
         let points = found(&fit);
@@ -198,28 +195,3 @@ impl NonrigidFit {
 
 /// For each target vertex the source point it lies at, if there is one.
 type Points = Vec<Option<SurfacePoint>>;
-
-/// Both rest surfaces where they are compared: the target about the origin with a diagonal of 1, the source laid on it.
-struct UnitFrame {
-    /// V of the source.
-    source: Vec<Point3<f64>>,
-    /// V of the target.
-    target: Vec<Point3<f64>>,
-}
-
-impl UnitFrame {
-    /// Lays the source on the target as the markers say.
-    fn new(pair: TransferPair<'_>, orientation: Orientation) -> Self {
-        let from: Vec<_> =
-            pair.markers.iter().map(|m| m.source.position(pair.source, &pair.source.positions)).collect();
-        let to: Vec<_> = pair.markers.iter().map(|m| m.target.position(pair.target, &pair.target.positions)).collect();
-        let aligned = Similarity::fit(&from, &to, &vec![1.0; from.len()], orientation);
-        let (low, high) = mimesh_core::mesh::bounding_box(&pair.target.positions);
-        let (centre, diagonal) = (nalgebra::center(&low, &high), (high - low).norm());
-        let unit = |p: Point3<f64>| Point3::from((p - centre) / diagonal);
-        Self {
-            source: pair.source.positions.iter().map(|p| unit(aligned.apply(p))).collect(),
-            target: pair.target.positions.iter().map(|p| unit(*p)).collect(),
-        }
-    }
-}

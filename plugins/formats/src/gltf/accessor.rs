@@ -6,7 +6,7 @@ use super::{
 };
 
 /// An accessor without data is all zeros; one longer than this is taken for damage rather than filled.
-const MOST_ZEROS: usize = 1 << 24;
+const MAX_ZEROS: usize = 1 << 24;
 
 /// Reads accessor `index` as #entries × `N` numbers; integers that are marked so are scaled to 0…1 or −1…1.
 ///
@@ -22,7 +22,7 @@ pub fn numbers<const N: usize>(asset: &Asset, index: usize) -> Result<Vec<[f64; 
 ///
 /// # Errors
 ///
-/// As [`numbers`].
+/// The errors of [`numbers`].
 pub fn indices(asset: &Asset, index: usize) -> Result<Vec<u32>, String> {
     let accessor = get(&asset.root.accessors, index, "accessor")?;
     if !matches!(accessor.component_type, U8 | U16 | U32) {
@@ -53,7 +53,7 @@ fn read<const N: usize>(asset: &Asset, accessor: &Accessor) -> Result<Vec<[f64; 
             let bytes = run(asset, view, accessor.byte_offset, accessor.count, size, true)?;
             bytes.entries().map(|entry| component.read(entry)).collect()
         }
-        None if accessor.count > MOST_ZEROS => return Err(format!("has {} entries but no data", accessor.count)),
+        None if accessor.count > MAX_ZEROS => return Err(format!("has {} entries but no data", accessor.count)),
         None => vec![[0.0; N]; accessor.count],
     };
     if let Some(sparse) = &accessor.sparse {
@@ -75,7 +75,7 @@ fn read<const N: usize>(asset: &Asset, accessor: &Accessor) -> Result<Vec<[f64; 
 struct Component {
     size: usize,
     read: fn(&[u8]) -> f64,
-    /// What a stored number is divided by.
+    /// The divisor of a stored number.
     scale: f64,
 }
 

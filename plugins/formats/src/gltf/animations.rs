@@ -4,7 +4,7 @@ use mimesh_core::mesh::Animation;
 
 use super::{accessor::numbers, container::Asset, schema};
 
-/// What animations there are; one that cannot be read has no length, since nothing depends on it.
+/// The animations of a file; one that cannot be read has no length, since nothing depends on it.
 pub fn list(asset: &Asset) -> Vec<Animation> {
     let joints: HashSet<usize> = asset.root.skins.iter().flat_map(|skin| skin.joints.iter().copied()).collect();
     let describe = |(index, animation): (usize, &schema::Animation)| {

@@ -12,7 +12,7 @@ const U16: u32 = 5123;
 const U32: u32 = 5125;
 const F32: u32 = 5126;
 
-/// What a buffer view is for, as glTF numbers it.
+/// The use of a buffer view, as glTF numbers it.
 #[derive(Clone, Copy)]
 enum Use {
     Attribute = 34962,
@@ -46,7 +46,7 @@ impl Binary {
     ///
     /// # Errors
     ///
-    /// From the temporary file, as all of these.
+    /// Those of the temporary file, as with all of these.
     pub fn attribute<const N: usize>(&mut self, values: &[[f32; N]], bounds: bool) -> io::Result<usize> {
         let view = self.view(bytes(values), Some(Use::Attribute))?;
         let mut accessor = json!({ "bufferView": view, "componentType": F32, "count": values.len(), "type": kind(N) });
@@ -124,7 +124,7 @@ impl Binary {
     ///
     /// # Errors
     ///
-    /// From the temporary file.
+    /// Those of the temporary file.
     pub fn contents(&mut self) -> io::Result<impl Read> {
         self.spool.flush()?;
         self.spool.get_mut().seek(SeekFrom::Start(0))?;

@@ -20,6 +20,7 @@ use std::path::Path;
 use mimesh_core::{
     Result,
     mesh::{Mesh, MeshSequence},
+    plugin::check_ranges,
     register,
     stage::{Format, MeshWriter, SequenceFormat, SequenceWriter, WriteError},
 };
@@ -85,6 +86,7 @@ impl Format for Glb {
 
 impl SequenceFormat for Glb {
     fn start(&self, mesh: &Mesh) -> Result<Box<dyn SequenceWriter>, WriteError> {
+        check_ranges(self)?;
         let &Self { frames_per_second, pose_normals } = self;
         Ok(Box::new(Writer::new(Options { frames_per_second, pose_normals, binary: true }, mesh)?))
     }
@@ -107,6 +109,7 @@ impl Format for Gltf {
 
 impl SequenceFormat for Gltf {
     fn start(&self, mesh: &Mesh) -> Result<Box<dyn SequenceWriter>, WriteError> {
+        check_ranges(self)?;
         let &Self { frames_per_second, pose_normals } = self;
         Ok(Box::new(Writer::new(Options { frames_per_second, pose_normals, binary: false }, mesh)?))
     }

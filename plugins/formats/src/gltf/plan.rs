@@ -15,7 +15,7 @@ pub struct Plan {
     pub normals: PosedNormals,
 }
 
-/// What becomes a node with a mesh.
+/// An object, which becomes a node with a mesh.
 #[derive(Debug, Default)]
 pub struct Object {
     /// Its name, if the mesh has one for it.

@@ -22,7 +22,7 @@ use super::{
 ///
 /// # Errors
 ///
-/// As [`Asset::read`], and [`Error::File`] that names the mesh, node or accessor that cannot be read.
+/// The errors of [`Asset::read`], and [`Error::File`] that names the mesh, node or accessor that cannot be read.
 pub fn read(path: &Path) -> Result<MeshSequence> {
     let asset = Asset::read(path)?;
     let damaged = |message: String| Error::file(path, message, "the file is damaged: export it again");

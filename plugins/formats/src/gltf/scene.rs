@@ -1,4 +1,4 @@
-//! Which meshes stand where in the default scene.
+//! The meshes of the default scene with their places.
 
 use nalgebra::{Matrix4, Quaternion, Translation3, UnitQuaternion, Vector3};
 
@@ -10,7 +10,7 @@ pub struct Placed<'a> {
     pub node: &'a Node,
     /// The index of its mesh.
     pub mesh: usize,
-    /// From the mesh to the scene.
+    /// The transform from the mesh to the scene.
     pub scene_from_mesh: Matrix4<f64>,
 }
 

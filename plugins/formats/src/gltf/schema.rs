@@ -29,7 +29,7 @@ pub fn get<'a, T>(list: &'a [T], index: usize, what: &str) -> Result<&'a T, Stri
     list.get(index).ok_or_else(|| format!("{what} {index} does not exist: there are {} (from 0)", list.len()))
 }
 
-/// Which version of glTF this is.
+/// The version of glTF.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default, rename_all = "camelCase")]
 pub struct Asset {
@@ -83,7 +83,7 @@ pub struct Sparse {
 pub struct SparseArray {
     pub buffer_view: usize,
     pub byte_offset: usize,
-    /// Of indices only.
+    /// The type of the components, for indices only.
     pub component_type: u32,
 }
 
@@ -172,7 +172,7 @@ pub struct Animation {
     pub samplers: Vec<Sampler>,
 }
 
-/// What a sampler moves.
+/// The property that a sampler moves.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
 pub struct Channel {

@@ -14,7 +14,7 @@ use super::{
     plan::{Object, Plan, Vertex},
 };
 
-/// What a glTF is written with.
+/// The settings with which a glTF is written.
 #[derive(Clone, Copy, Debug)]
 pub struct Options {
     /// Poses a second.
@@ -35,9 +35,9 @@ pub struct Writer {
     names: Vec<String>,
 }
 
-/// What of an object has been written.
+/// The parts of an object that have been written.
 struct RestObject {
-    /// As they stand in the file.
+    /// Rest positions as they stand in the file.
     positions: Vec<[f32; 3]>,
     normals: Vec<[f32; 3]>,
     attributes: Value,
@@ -52,9 +52,8 @@ impl Writer {
     ///
     /// # Errors
     ///
-    /// If the mesh is empty or too large for f32, a setting is out of range, or there is no room for temporary data.
+    /// If the mesh is empty or too large for f32, or there is no room for temporary data.
     pub fn new(options: Options, mesh: &Mesh) -> Result<Self, WriteError> {
-        Error::check_setting("frames_per_second", options.frames_per_second, 1e-3, 1e6)?;
         mesh.validate()?;
         check_size(&mesh.positions)?;
         let plan = Plan::new(mesh);
@@ -278,7 +277,7 @@ fn vertex_normal(vertex: &Vertex, groups: &[[f64; 3]]) -> [f64; 3] {
     normal.try_normalize(f64::MIN_POSITIVE).unwrap_or_else(Vector3::z).into()
 }
 
-/// From what the file holds to `to`.
+/// The difference from the contents of the file to `to`.
 fn difference(to: [f64; 3], from: [f32; 3]) -> [f32; 3] {
     std::array::from_fn(|i| (to[i] - f64::from(from[i])) as f32)
 }

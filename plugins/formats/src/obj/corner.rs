@@ -3,11 +3,11 @@
 /// The references of one corner, as they stand in the file; 0 where there is none.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Corner {
-    /// Of `v` lines.
+    /// The reference to a `v` line.
     pub vertex: i64,
-    /// Of `vt` lines.
+    /// The reference to a `vt` line.
     pub texture: i64,
-    /// Of `vn` lines.
+    /// The reference to a `vn` line.
     pub normal: i64,
 }
 
@@ -38,7 +38,7 @@ fn integer(text: &[u8]) -> Option<i64> {
     Some(if negative { -value } else { value })
 }
 
-/// What an index of the file stands for when `count` entries have been read.
+/// The entry that an index of the file stands for when `count` entries have been read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reference {
     /// The entry, from 0; it may come later in the file.

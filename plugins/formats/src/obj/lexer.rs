@@ -15,13 +15,13 @@ pub struct Lexer<'a> {
 }
 
 impl<'a> Lexer<'a> {
-    /// At the start of `bytes`, after a byte order mark if there is one.
+    /// A lexer at the start of `bytes`, after a byte order mark if there is one.
     pub fn new(bytes: &'a [u8]) -> Self {
         let at = if bytes.starts_with(b"\xef\xbb\xbf") { 3 } else { 0 };
         Self { bytes, at, line: 1, inside: false }
     }
 
-    /// In the middle of a statement, at byte `at`; lines are counted from there.
+    /// A lexer in the middle of a statement, at byte `at`; lines are counted from there.
     pub fn resume(bytes: &'a [u8], at: usize) -> Self {
         Self { bytes, at, line: 1, inside: true }
     }
@@ -86,7 +86,7 @@ impl<'a> Lexer<'a> {
         line[..length].trim_ascii()
     }
 
-    /// To the end of the statement.
+    /// Skips to the end of the statement.
     fn skip(&mut self) {
         while let Some(byte) = self.bytes.get(self.at) {
             match byte {

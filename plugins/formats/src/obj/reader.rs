@@ -69,7 +69,7 @@ pub fn read(path: &Path, bytes: Vec<u8>) -> Result<MeshSequence> {
 ///
 /// # Errors
 ///
-/// As [`read`], and as [`check_pose`].
+/// The errors of [`read`] and of [`check_pose`].
 pub fn read_pose(path: &Path, bytes: &[u8], rest: &Mesh) -> Result<Vec<Point3<f64>>> {
     let mut reader = Reader::new(path, bytes);
     while let Some(keyword) = reader.lexer.keyword() {
@@ -86,7 +86,7 @@ pub fn read_pose(path: &Path, bytes: &[u8], rest: &Mesh) -> Result<Vec<Point3<f6
     Ok(reader.positions)
 }
 
-/// What every reading of an OBJ needs: vertices, polygons, and where in the file we are.
+/// The state that every reading of an OBJ needs: vertices, polygons, and the place in the file.
 struct Reader<'a> {
     path: &'a Path,
     bytes: &'a [u8],
@@ -233,7 +233,7 @@ impl<'a> Reader<'a> {
 
 const DAMAGED: &str = "the file is damaged or cut short: export it again";
 
-/// What faces refer to beside vertices, and the names they stand under.
+/// The data that faces refer to beside vertices, and the names they stand under.
 #[derive(Default)]
 struct Attributes {
     texture_values: Vec<[f64; 2]>,

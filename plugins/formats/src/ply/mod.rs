@@ -33,12 +33,12 @@ pub struct Ply {
 #[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Encoding {
-    /// As text.
+    /// Text.
     Ascii,
-    /// As bytes, the lowest first.
+    /// Bytes, the lowest first.
     #[default]
     BinaryLittleEndian,
-    /// As bytes, the highest first.
+    /// Bytes, the highest first.
     BinaryBigEndian,
 }
 
@@ -84,7 +84,7 @@ impl PoseWriter for Ply {
     }
 }
 
-/// What a PLY has that a mesh has no place for.
+/// Data of a PLY that a mesh has no place for.
 #[derive(Debug)]
 struct PlyDocument {
     /// Whether coordinates are `double`.

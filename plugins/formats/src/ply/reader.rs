@@ -29,7 +29,7 @@ pub fn read(path: &Path, bytes: &[u8]) -> Result<MeshSequence> {
     let header = Parser::<Skipped>::new().read_header(&mut reader).map_err(unreadable)?;
     let mut vertices = Vec::new();
     let mut faces = Vec::new();
-    let mut kept = Kept::default();
+    let mut kept = VertexColumns::default();
     for element in header.elements.values() {
         // Every entry takes at least a byte; without this a damaged count would be counted to its end.
         if element.count > bytes.len() {
@@ -38,7 +38,7 @@ pub fn read(path: &Path, bytes: &[u8]) -> Result<MeshSequence> {
         }
         match element.name.as_str() {
             "vertex" => {
-                kept = Kept::new(element);
+                kept = VertexColumns::new(element);
                 vertices = Parser::<Vertex>::new()
                     .read_payload_for_element(&mut reader, element, &header)
                     .map_err(unreadable)?;
@@ -106,9 +106,9 @@ fn flat(message: &str) -> String {
     words[..end].join(" ")
 }
 
-/// Which properties the vertices of a file have.
+/// The properties that the vertices of a file have.
 #[derive(Default)]
-struct Kept {
+struct VertexColumns {
     positions: bool,
     double: bool,
     normals: bool,
@@ -116,7 +116,7 @@ struct Kept {
     colors: bool,
 }
 
-impl Kept {
+impl VertexColumns {
     fn new(element: &ElementDef) -> Self {
         let has = |slots: &[usize]| {
             slots.iter().all(|&slot| element.properties.keys().any(|name| slot_of(name) == Some(slot)))
@@ -134,7 +134,7 @@ impl Kept {
     }
 }
 
-/// Where a property of a vertex is put.
+/// The place of a property of a vertex.
 fn slot_of(name: &str) -> Option<usize> {
     Some(match name {
         "x" => 0,

@@ -1,25 +1,12 @@
 //! What the tests of several formats share.
 #![allow(dead_code, reason = "every test file takes what it needs")]
 
-use std::path::{Path, PathBuf};
-
 use mimesh_core::{
     Error,
     mesh::{Mesh, MeshSequence},
     stage::{Format, MeshWriter},
 };
 use nalgebra::{Point3, Rotation3, Vector3};
-
-/// A file of the shared data; `None`, said aloud, where there is none. In CI its absence is a failure.
-pub fn shared(file: &str) -> Option<PathBuf> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data").join(file);
-    if path.exists() {
-        return Some(path);
-    }
-    assert_ne!(std::env::var("CI").as_deref(), Ok("true"), "{} is missing", path.display());
-    eprintln!("skipped: {} is missing", path.display());
-    None
-}
 
 /// Reads `bytes` as a file called `name`.
 pub fn read(format: &dyn Format, name: &str, bytes: &[u8]) -> Result<MeshSequence, Error> {

@@ -9,15 +9,15 @@ pub type Knot = [f64; 5];
 /// One animal; limbs that come in pairs are given for its left.
 #[derive(Debug)]
 pub struct Animal {
-    /// From the rump over croup, loin, back and withers up the neck to the poll and down the face to the muzzle.
+    /// The knots from the rump over croup, loin, back and withers up the neck to the poll and down the face to the muzzle.
     pub spine: [Knot; 14],
     /// Shoulder (0), elbow (3), knee (6), fetlock (9), toe (12).
     pub front: [Knot; 13],
     /// Hip (0), stifle (3), hock (6), fetlock (9), toe (12).
     pub hind: [Knot; 13],
-    /// From the dock down.
+    /// The knots from the dock down.
     pub tail: [Knot; 5],
-    /// From the skull to the tip.
+    /// The knots from the skull to the tip.
     pub ear: [Knot; 3],
     /// Horns or the like on the skull.
     pub horn: Option<[Knot; 3]>,

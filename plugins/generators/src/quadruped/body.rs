@@ -4,7 +4,7 @@ use nalgebra::{Point3, Vector3};
 
 use super::{animals::Animal, chain::Chain};
 
-/// Which limb.
+/// The limb.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Limb {
     /// Trunk, neck and head; the others hang on it.
@@ -26,7 +26,7 @@ pub enum Limb {
 pub struct Part {
     /// Which.
     pub limb: Limb,
-    /// On the animal's right.
+    /// Whether it is on the animal's right.
     pub right: bool,
     /// Its centre line.
     pub chain: Chain,

@@ -15,14 +15,14 @@ pub struct Chain {
     /// Box around the limb, its thickness included.
     low: Point3<f64>,
     high: Point3<f64>,
-    /// Balls around runs of [`RUN`] segments, thickness included: centre, radius, smallest slope of the distance.
+    /// Balls around runs of [`SEGMENTS_PER_BALL`] segments, thickness included: centre, radius, smallest slope of the distance.
     balls: Vec<(Point3<f64>, f64, f64)>,
 }
 
 /// A place on the centre line.
 #[derive(Clone, Copy, Debug)]
 pub struct Sample {
-    /// On the line.
+    /// The point on the line.
     pub at: Point3<f64>,
     /// Half size in the plane of the line.
     pub depth: f64,
@@ -31,10 +31,10 @@ pub struct Sample {
 }
 
 /// Beyond this distance (metres) from a limb's box the distance to the box stands in for that to the limb.
-const FAR: f64 = 0.25;
+const MAX_EXACT_DISTANCE: f64 = 0.25;
 
 /// Segments that share a ball.
-const RUN: usize = 8;
+const SEGMENTS_PER_BALL: usize = 8;
 
 impl Chain {
     /// The line through `knots` (x, y, z, depth, width; metres), mirrored at x = 0 if `mirrored`.
@@ -61,8 +61,8 @@ impl Chain {
         let reach = |s: &Sample| Vector3::new(s.width, s.depth, s.depth);
         let low = samples.iter().fold(samples[0].at, |low, s| low.inf(&(s.at - reach(s))));
         let high = samples.iter().fold(samples[0].at, |high, s| high.sup(&(s.at + reach(s))));
-        let balls = (0..samples.len() - 1).step_by(RUN).map(|first| {
-            let run = &samples[first..=(first + RUN).min(samples.len() - 1)];
+        let balls = (0..samples.len() - 1).step_by(SEGMENTS_PER_BALL).map(|first| {
+            let run = &samples[first..=(first + SEGMENTS_PER_BALL).min(samples.len() - 1)];
             let centre = nalgebra::center(&run[0].at, &run[run.len() - 1].at);
             let radius = run.iter().map(|s| (s.at - centre).norm() + s.depth.max(s.width)).fold(0.0, f64::max);
             (centre, radius, run.iter().map(|s| (s.width / s.depth).min(1.0)).fold(1.0, f64::min))
@@ -103,7 +103,7 @@ impl Chain {
     /// Far from the limb the distance is that to its box, which is smaller.
     pub fn distance(&self, point: &Point3<f64>) -> (f64, f64) {
         let outside = (self.low - point).sup(&(point - self.high)).sup(&Vector3::zeros()).norm();
-        if outside > FAR {
+        if outside > MAX_EXACT_DISTANCE {
             return (outside, f64::INFINITY);
         }
         let bound = |&(centre, radius, slope): &(Point3<f64>, f64, f64)| {
@@ -127,8 +127,8 @@ impl Chain {
 
     fn distance_to_run(&self, run: usize, point: &Point3<f64>) -> (f64, f64) {
         let mut nearest = (f64::INFINITY, 0.0);
-        let last = (run * RUN + RUN).min(self.samples.len() - 1);
-        for pair in self.samples[run * RUN..=last].windows(2) {
+        let last = (run * SEGMENTS_PER_BALL + SEGMENTS_PER_BALL).min(self.samples.len() - 1);
+        for pair in self.samples[run * SEGMENTS_PER_BALL..=last].windows(2) {
             let (a, b) = (&pair[0], &pair[1]);
             let (from, along) = (point - a.at, b.at - a.at);
             // The foot is sought in the plane of the line, so that it does not depend on the flattening along x.

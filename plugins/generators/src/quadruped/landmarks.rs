@@ -2,14 +2,14 @@
 
 use mimesh_core::{
     Result,
-    mesh::{Landmark, SurfacePoint},
+    mesh::{Landmark, MeshPoint},
     spatial::ClosestPoint,
 };
 use nalgebra::{Point3, Vector3};
 
 use super::body::{Body, Limb, Part};
 
-/// Which way a landmark lies from the centre line of its limb.
+/// The direction in which a landmark lies from the centre line of its limb.
 #[derive(Clone, Copy, Debug)]
 enum Way {
     /// The back of the trunk, the front of a leg.
@@ -95,15 +95,15 @@ const EAR: &[(&str, f64, Way)] = &[("ear_root", 0.4, Outer), ("ear_tip", 2.0, Ti
 
 /// A point to be found on the body's surface.
 #[derive(Debug)]
-pub struct Place {
+pub struct LandmarkSite {
     /// The name of the landmark.
     pub name: String,
-    /// On the surface of the body.
+    /// The point on the surface of the body.
     pub at: Point3<f64>,
 }
 
-/// Where the landmarks of `body` lie on its surface.
-pub fn places(body: &Body) -> Vec<Place> {
+/// The landmarks of `body` on its surface.
+pub fn places(body: &Body) -> Vec<LandmarkSite> {
     let mut result = vec![];
     for part in &body.parts {
         let side = if part.right { "right" } else { "left" };
@@ -117,7 +117,7 @@ pub fn places(body: &Body) -> Vec<Place> {
             Limb::Horn => continue,
         };
         for &(name, s, way) in points {
-            result.push(Place { name: format!("{prefix}{name}"), at: on_surface(body, part, s, way) });
+            result.push(LandmarkSite { name: format!("{prefix}{name}"), at: on_surface(body, part, s, way) });
         }
     }
     result
@@ -130,7 +130,7 @@ pub fn on_skin(body: &Body, positions: &[Point3<f64>], triangles: &[[u32; 3]]) -
         corners.iter().for_each(|&v| around[v as usize].push(t as u32));
     }
     let landmark =
-        |place: Place| Landmark { point: nearest(&place.at, positions, triangles, &around), name: place.name };
+        |place: LandmarkSite| Landmark { point: nearest(&place.at, positions, triangles, &around), name: place.name };
     places(body).into_iter().map(landmark).collect()
 }
 
@@ -147,7 +147,7 @@ pub fn on_pieces(body: &Body, positions: &[Point3<f64>], triangles: &[[u32; 3]])
         normal.dot(skin) > least * normal.norm()
     };
     let mut result = vec![];
-    for Place { name, at } in places(body) {
+    for LandmarkSite { name, at } in places(body) {
         let skin = body.gradient(&at).normalize();
         // At the tip of a limb nothing may face as the skin does.
         let found = [0.7, 0.0, -2.0].into_iter().find_map(|least| {
@@ -155,13 +155,13 @@ pub fn on_pieces(body: &Body, positions: &[Point3<f64>], triangles: &[[u32; 3]])
             search.find(&at, near, |t| outwards(t, &skin, least))
         });
         if let Some(found) = found {
-            result.push(Landmark { name, point: SurfacePoint::Triangle(found.triangle, found.barycentric) });
+            result.push(Landmark { name, point: MeshPoint::Triangle(found.triangle, found.barycentric) });
         }
     }
     Ok(result)
 }
 
-/// Where the ray from the centre line at `s` leaves the body.
+/// The point at which the ray from the centre line at `s` leaves the body.
 fn on_surface(body: &Body, part: &Part, s: f64, way: Way) -> Point3<f64> {
     const STEP: f64 = 0.002;
     let (from, tangent) = (part.chain.at(s).at, part.chain.tangent(s));
@@ -184,15 +184,10 @@ fn on_surface(body: &Body, part: &Part, s: f64, way: Way) -> Point3<f64> {
 }
 
 /// The point of the mesh nearest to `place`, among the triangles around the nearest vertex.
-fn nearest(
-    place: &Point3<f64>,
-    positions: &[Point3<f64>],
-    triangles: &[[u32; 3]],
-    around: &[Vec<u32>],
-) -> SurfacePoint {
+fn nearest(place: &Point3<f64>, positions: &[Point3<f64>], triangles: &[[u32; 3]], around: &[Vec<u32>]) -> MeshPoint {
     let distance = |v: &usize| (positions[*v] - place).norm_squared();
     let vertex = (0..positions.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0);
-    let mut best = (distance(&vertex), SurfacePoint::Vertex(vertex as u32));
+    let mut best = (distance(&vertex), MeshPoint::Vertex(vertex as u32));
     for &t in &around[vertex] {
         let [a, b, c] = triangles[t as usize].map(|v| positions[v as usize]);
         let (ab, ac, ap) = (b - a, c - a, place - a);
@@ -203,7 +198,7 @@ fn nearest(
         if v >= 0.0 && w >= 0.0 && v + w <= 1.0 {
             let away = (ap - ab * v - ac * w).norm_squared();
             if away < best.0 {
-                best = (away, SurfacePoint::Triangle(t, [1.0 - v - w, v, w]));
+                best = (away, MeshPoint::Triangle(t, [1.0 - v - w, v, w]));
             }
         }
     }

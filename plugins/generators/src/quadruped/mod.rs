@@ -22,6 +22,7 @@ mod skin;
 use mimesh_core::{
     Error, Result,
     mesh::{Landmark, Mesh, MeshSequence, Pose, Surface},
+    plugin::check_ranges,
     register,
     stage::Generator,
 };
@@ -42,22 +43,22 @@ register!(Generator: Quadruped);
 
 /// A procedural four-legged animal with a gait, for trying things and for tests: no file is needed.
 ///
-/// A skin, one closed, manifold component of well-shaped triangles, or many closed components in its shape: stones, plates or
+/// A skin, one closed, manifold component of well-shaped triangles, or many closed components in its shape: pebbles, plates or
 /// the boxes of a robot. Mirror-symmetric in shape, y up and facing +z, standing on y = 0. Joints turn by the same angles on every animal, so its poses are the known result of a transfer from another
 /// animal; some seventy landmarks of equal names on every animal serve as markers.
 #[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Quadruped {
-    /// Which animal.
+    /// The animal.
     pub proportions: Proportions,
-    /// How it moves.
+    /// The gait.
     pub gait: Gait,
     /// Poses through one stride, named by their number; the stride closes, the first follows the last.
     #[schemars(range(min = 1, max = 1000))]
     pub frames: usize,
-    /// What it is made of.
+    /// The material: one skin, or many components.
     pub made_of: MadeOf,
-    /// About how many stones or plates it is made of; left out, 200 stones or 60 plates. A skin is one, and how many boxes
+    /// About how many pebbles or plates it is made of; left out, 200 pebbles or 60 plates. A skin is one, and how many boxes
     /// a robot has is a matter of its limbs.
     #[schemars(range(min = 20, max = 5000))]
     pub pieces: Option<usize>,
@@ -65,9 +66,9 @@ pub struct Quadruped {
     #[schemars(range(min = 20, max = 1000))]
     pub resolution: usize,
     /// Length of a metre in the unit of the mesh: 1 gives metres, 100 centimetres.
-    #[schemars(range(min = 0.0))]
+    #[schemars(range(min = 1e-9, max = 1e9))]
     pub size: f64,
-    /// Another number gives other triangles of the same shape, and other stones and plates; boxes stay as they are.
+    /// Another number gives other triangles of the same shape, and other pebbles and plates; boxes stay as they are.
     pub seed: u64,
 }
 
@@ -84,7 +85,7 @@ pub enum Proportions {
     Giraffe,
 }
 
-/// What a [`Quadruped`] is made of: one skin, or many closed components.
+/// The material of a [`Quadruped`]: one skin, or many closed components.
 ///
 /// Components have names, each its own, and are grouped by the region of the body: trunk, neck, head, `left_front_leg` …
 #[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq, JsonSchema, Serialize)]
@@ -93,7 +94,7 @@ pub enum MadeOf {
     /// One closed surface.
     #[default]
     Skin,
-    /// Rounded stones side by side below the skin, `trunk_1`, `trunk_2` …, each moved rigidly, as nearly as the body moves
+    /// Rounded pebbles side by side below the skin, `trunk_1`, `trunk_2` …, each moved rigidly, as nearly as the body moves
     /// there.
     Pebbles,
     /// Plates cut from the skin, `trunk_1`, `trunk_2` …, with gaps between them; their outer sides move as the skin, their
@@ -121,9 +122,7 @@ impl Default for Quadruped {
 #[typetag::serde(name = "quadruped")]
 impl Generator for Quadruped {
     fn make(&self) -> Result<MeshSequence> {
-        Error::check_setting("frames", self.frames as f64, 1.0, 1000.0)?;
-        Error::check_setting("resolution", self.resolution as f64, 20.0, 1000.0)?;
-        Error::check_setting("size", self.size, 1e-9, 1e9)?;
+        check_ranges(self)?;
         let count = self.count()?;
         let body = Body::new(self.proportions.animal());
         if self.made_of == MadeOf::Boxes {
@@ -147,7 +146,7 @@ impl Generator for Quadruped {
 }
 
 impl Quadruped {
-    /// How many stones or plates to make.
+    /// How many pebbles or plates to make.
     fn count(&self) -> Result<usize> {
         let usual = match self.made_of {
             MadeOf::Pebbles => 200,
@@ -156,16 +155,14 @@ impl Quadruped {
                 None => return Ok(1),
                 Some(pieces) => {
                     return Err(Error::Setting {
-                        setting: "pieces",
+                        setting: "pieces".into(),
                         expected: "nothing unless `made_of` is pebbles or plates".into(),
                         found: pieces.to_string(),
                     });
                 }
             },
         };
-        let pieces = self.pieces.unwrap_or(usual);
-        Error::check_setting("pieces", pieces as f64, 20.0, 5000.0)?;
-        Ok(pieces)
+        Ok(self.pieces.unwrap_or(usual))
     }
 
     /// Rest, poses and landmarks of `pieces` of `body`.
@@ -319,6 +316,11 @@ mod tests {
         }
     }
 
+    /// Where a landmark lies when the vertices of its animal's surface are at `positions`.
+    fn place(landmark: &Landmark, surface: &Surface, positions: &[Point3<f64>]) -> Point3<f64> {
+        surface.point(landmark.point).unwrap().position(surface, positions)
+    }
+
     #[test]
     fn landmarks_pair_up_between_animals_and_do_not_coincide() {
         let names = |animal: &MeshSequence| animal.landmarks.iter().map(|l| l.name.clone()).collect::<Vec<_>>();
@@ -327,8 +329,7 @@ mod tests {
         for animal in ANIMALS.iter() {
             assert_eq!(names(animal), expected);
             let surface = Surface::new(&animal.rest).unwrap();
-            let places: Vec<_> =
-                animal.landmarks.iter().map(|l| l.point.position(&surface, &surface.positions)).collect();
+            let places: Vec<_> = animal.landmarks.iter().map(|l| place(l, &surface, &surface.positions)).collect();
             for (i, a) in places.iter().enumerate() {
                 for (j, b) in places.iter().enumerate().take(i) {
                     assert!((a - b).norm() > 0.02, "{} and {}", expected[i], expected[j]);
@@ -345,7 +346,7 @@ mod tests {
             let surface = Surface::new(&animal.rest).unwrap();
             let point = |end: &str| {
                 let landmark = animal.landmarks.iter().find(|l| l.name == format!("{name}_{end}")).unwrap();
-                let at = |positions: &[Point3<f64>]| landmark.point.position(&surface, positions);
+                let at = |positions: &[Point3<f64>]| place(landmark, &surface, positions);
                 (at(&surface.positions), at(&animal.poses[pose].positions))
             };
             let (front, back) = (point("front"), point("back"));

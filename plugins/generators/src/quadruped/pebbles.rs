@@ -1,7 +1,7 @@
-//! The animal as stones: cells of a Voronoi diagram in a layer below the skin, shrunk and rounded.
+//! The animal as pebbles: cells of a Voronoi diagram in a layer below the skin, shrunk and rounded.
 //!
-//! The layer is as deep as a stone is long, so that a leg is filled by one stone after another and the trunk is a shell. A
-//! stone is the part of its cell that lies in the layer; it is made a mesh by rays from its site, which see all of it
+//! The layer is as deep as a pebble is long, so that a leg is filled by one pebble after another and the trunk is a shell. A
+//! pebble is the part of its cell that lies in the layer; it is made a mesh by rays from its site, which see all of it
 //! but for what little a bend of the skin hides.
 
 use std::collections::BTreeMap;
@@ -12,10 +12,10 @@ use rayon::prelude::*;
 use super::{
     body::{Body, smooth_max},
     pieces::{Motion, Pieces, named, region},
-    sites::{Cloud, Place},
+    sites::{Cloud, Site},
 };
 
-/// About `count` stones (exactly, if the skin is fine enough) under the skin `positions`, `triangles` of `body`.
+/// About `count` pebbles (exactly, if the skin is fine enough) under the skin `positions`, `triangles` of `body`.
 ///
 /// Their edges are about `edge` long.
 pub fn pebbles(
@@ -27,23 +27,23 @@ pub fn pebbles(
     let layer = Layer::new(body, positions, triangles, count);
     let sites: Vec<Point3<f64>> =
         layer.cloud.sites(count, seed).iter().map(|site| Point3::new(site[0], site[1], site[2])).collect();
-    let stone = |index: usize| {
-        let stone = Stone::new(body, &layer, &sites, index);
-        let around = (std::f64::consts::PI * stone.size / (4.0 * edge)).round().clamp(2.0, 12.0);
+    let pebble = |index: usize| {
+        let pebble = Pebble::new(body, &layer, &sites, index);
+        let around = (std::f64::consts::PI * pebble.size / (4.0 * edge)).round().clamp(2.0, 12.0);
         let (directions, triangles) = sphere(around as u32);
-        (stone.mesh(&directions), triangles)
+        (pebble.mesh(&directions), triangles)
     };
-    let stones: Vec<_> = (0..sites.len()).into_par_iter().map(stone).collect();
+    let pebbles: Vec<_> = (0..sites.len()).into_par_iter().map(pebble).collect();
     let places: Vec<_> = sites.iter().map(|site| region(body, site)).collect();
     let mut result = Pieces::default();
     for (index, name) in named(&places) {
-        let (positions, triangles) = &stones[index];
+        let (positions, triangles) = &pebbles[index];
         result.push(name, positions.clone(), triangles.iter().map(|t| &t[..]), Motion::Rigid);
     }
     result
 }
 
-/// The layer below the skin that the stones fill.
+/// The layer below the skin that the pebbles fill.
 struct Layer {
     cloud: Cloud,
     depths: Vec<f64>,
@@ -58,10 +58,10 @@ impl Layer {
             t.iter().for_each(|&v| normals[v as usize] += normal);
         }
         let thickness: Vec<f64> = positions.par_iter().map(|p| body.thickness(p)).collect();
-        // Stones of thin limbs are smaller, though by less than the limbs are.
+        // Pebbles of thin limbs are smaller, though by less than the limbs are.
         let relative: Vec<f64> = thickness.iter().map(|t| t.powf(0.4)).collect();
-        // A stone covers its square, or where it fills the limb, a ring of it.
-        let stones = |factor: f64| {
+        // A pebble covers its square, or where it fills the limb, a ring of it.
+        let pebbles = |factor: f64| {
             let share = |((normal, t), relative): ((&Vector3<f64>, &f64), &f64)| {
                 let size = factor * relative;
                 normal.norm() / (size * if *t < 0.65 * size { std::f64::consts::TAU * t } else { size })
@@ -71,7 +71,7 @@ impl Layer {
         let (mut low, mut high) = (1e-3, 1e3);
         for _ in 0..60 {
             let middle = f64::sqrt(low * high);
-            *(if stones(middle) > count as f64 { &mut low } else { &mut high }) = middle;
+            *(if pebbles(middle) > count as f64 { &mut low } else { &mut high }) = middle;
         }
         let (mut cloud, mut depths) = (Cloud::default(), vec![]);
         for (((p, normal), t), relative) in positions.iter().zip(&normals).zip(&thickness).zip(&relative) {
@@ -79,7 +79,7 @@ impl Layer {
             let depth = t.min(0.8 * size);
             for share in [1.0 / 6.0, 0.5, 5.0 / 6.0] {
                 let at = p - normal.normalize() * (share * depth);
-                cloud.places.push(Place::new(at.x, at.y, at.z, 0.0, 0.0, 0.0));
+                cloud.places.push(Site::new(at.x, at.y, at.z, 0.0, 0.0, 0.0));
                 cloud.weights.push(normal.norm() * depth);
                 cloud.sizes.push(size);
                 depths.push(depth);
@@ -89,8 +89,8 @@ impl Layer {
     }
 }
 
-/// A stone as the set of points where a function is negative.
-struct Stone<'a> {
+/// A pebble as the set of points where a function is negative.
+struct Pebble<'a> {
     body: &'a Body,
     centre: Point3<f64>,
     /// About its diameter.
@@ -103,10 +103,10 @@ struct Stone<'a> {
     sides: Vec<(Vector3<f64>, f64)>,
 }
 
-impl<'a> Stone<'a> {
+impl<'a> Pebble<'a> {
     fn new(body: &'a Body, layer: &Layer, sites: &[Point3<f64>], index: usize) -> Self {
         let cloud = &layer.cloud;
-        let site = Place::new(sites[index].x, sites[index].y, sites[index].z, 0.0, 0.0, 0.0);
+        let site = Site::new(sites[index].x, sites[index].y, sites[index].z, 0.0, 0.0, 0.0);
         let nearest = super::sites::nearest(&cloud.places, &site);
         let (size, depth) = (cloud.sizes[nearest], layer.depths[nearest]);
         let mut others: Vec<usize> = (0..sites.len()).filter(|&other| other != index).collect();
@@ -120,15 +120,15 @@ impl<'a> Stone<'a> {
             (normal, normal.dot(&nalgebra::center(&sites[other], &sites[index]).coords) - gap)
         };
         let sides: Vec<_> = others.into_iter().map(side).collect();
-        let mut stone = Self { body, centre: sites[index], size, depth, round: 0.0, sides };
-        if stone.value(&stone.centre) > -0.1 * size.min(depth) {
+        let mut pebble = Self { body, centre: sites[index], size, depth, round: 0.0, sides };
+        if pebble.value(&pebble.centre) > -0.1 * size.min(depth) {
             // A share that bends around an edge of the body has its middle outside; a point of the cloud is inside.
             let p = cloud.places[nearest];
-            stone.centre = Point3::new(p[0], p[1], p[2]);
+            pebble.centre = Point3::new(p[0], p[1], p[2]);
         }
         // No rounder than the centre is deep inside, lest nothing be left.
-        stone.round = (0.3 * size).min(-1.2 * stone.value(&stone.centre)).max(0.0);
-        stone
+        pebble.round = (0.3 * size).min(-1.2 * pebble.value(&pebble.centre)).max(0.0);
+        pebble
     }
 
     /// Negative inside.
@@ -141,7 +141,7 @@ impl<'a> Stone<'a> {
         self.sides.iter().fold(layer, side)
     }
 
-    /// Where rays from the centre leave the stone.
+    /// The points at which rays from the centre leave the pebble.
     fn mesh(&self, directions: &[Vector3<f64>]) -> Vec<Point3<f64>> {
         let leaves = |direction: &Vector3<f64>| {
             let mut reached = 0.0;

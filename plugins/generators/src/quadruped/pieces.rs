@@ -1,4 +1,4 @@
-//! What samples of many components share: a mesh of named pieces, and how its pieces move.
+//! Animals of many components: a mesh of named pieces, and how its pieces move.
 
 use std::ops::Range;
 
@@ -36,14 +36,15 @@ pub struct Piece {
     pub vertices: Range<usize>,
     /// Its polygons.
     pub polygons: Range<usize>,
-    /// How it moves.
+    /// Its motion with the body.
     pub motion: Motion,
 }
 
 /// How a piece moves with the body.
 #[derive(Debug)]
 pub enum Motion {
-    /// By the rigid motion that is nearest, in least squares over its vertices, to that of the body where they lie.
+    /// The piece moves by the rigid motion that is nearest, in least squares over its vertices, to that of the body where they
+    /// lie.
     Rigid,
     /// The first half of its vertices, the outer side, as the skin does; each of the others stays at a depth below its partner.
     Sheet(Sheet),
@@ -232,12 +233,12 @@ mod tests {
     }
 
     #[test]
-    fn outer_sides_of_stones_lie_on_the_skin() {
-        let (body, stones) = camel(MadeOf::Pebbles);
-        for piece in &stones.pieces {
-            let highest = stones.positions[piece.vertices.clone()].iter().map(|p| body.distance(p));
+    fn outer_sides_of_pebbles_lie_on_the_skin() {
+        let (body, pebbles) = camel(MadeOf::Pebbles);
+        for piece in &pebbles.pieces {
+            let highest = pebbles.positions[piece.vertices.clone()].iter().map(|p| body.distance(p));
             let highest = highest.fold(f64::NEG_INFINITY, f64::max);
-            // Rays end within a ten-thousandth of a stone of the skin. The crown of a rounded stone touches it or nearly so.
+            // Rays end within a ten-thousandth of a pebble of the skin. The crown of a rounded pebble touches it or nearly so.
             assert!(highest < 1e-4 && highest > -0.02, "{}: {highest}", piece.name);
         }
     }

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use super::{
     body::Body,
     pieces::{Motion, Pieces, Sheet, named, region},
-    sites::{Cloud, Place, nearest},
+    sites::{Cloud, Site, nearest},
 };
 
 /// About `count` plates from the skin `positions`, `triangles` of `body`.
@@ -46,9 +46,9 @@ struct Skin<'a> {
     positions: &'a [Point3<f64>],
     triangles: &'a [[u32; 3]],
     cloud: Cloud,
-    /// Of the plates, where the body is not thin.
+    /// The thickness of the plates, where the body is not thin.
     thickness: f64,
-    /// Between plates, at each vertex.
+    /// The width of the gap between plates, at each vertex.
     gaps: Vec<f64>,
 }
 
@@ -67,7 +67,7 @@ impl<'a> Skin<'a> {
         let places = positions.iter().zip(&normals).map(|(p, n)| {
             // Opposite normals are as far apart as plates are wide.
             let n = n.normalize() * (0.5 * size);
-            Place::new(p.x, p.y, p.z, n.x, n.y, n.z)
+            Site::new(p.x, p.y, p.z, n.x, n.y, n.z)
         });
         let gaps = thickness.iter().map(|t| (0.2 * t).min(0.06 * size)).collect();
         let cloud = Cloud { places: places.collect(), weights, sizes: thickness.iter().map(|t| t.sqrt()).collect() };
@@ -75,7 +75,7 @@ impl<'a> Skin<'a> {
     }
 
     /// The outer sides of the plates that the cell of `site` gives: one, or more if the cell falls apart.
-    fn plates_of(&self, sites: &[Place], owners: &[usize], site: usize) -> Vec<Outer> {
+    fn plates_of(&self, sites: &[Site], owners: &[usize], site: usize) -> Vec<Outer> {
         let touched: Vec<[u32; 3]> =
             self.triangles.iter().copied().filter(|t| t.iter().any(|&v| owners[v as usize] == site)).collect();
         let values = self.values(sites, site, &touched);
@@ -87,12 +87,12 @@ impl<'a> Skin<'a> {
     }
 
     /// How far inside the plate of `site` the vertices of `triangles` lie, by vertex.
-    fn values(&self, sites: &[Place], site: usize, triangles: &[[u32; 3]]) -> BTreeMap<u32, f64> {
+    fn values(&self, sites: &[Site], site: usize, triangles: &[[u32; 3]]) -> BTreeMap<u32, f64> {
         let inside = |v: u32| {
             let place = &self.cloud.places[v as usize];
             let own = (place - sites[site]).norm_squared();
             let others = sites.iter().enumerate().filter(|(other, _)| *other != site);
-            let border = |(_, other): (usize, &Place)| {
+            let border = |(_, other): (usize, &Site)| {
                 ((place - other).norm_squared() - own) / (2.0 * (other - sites[site]).norm())
             };
             others.map(border).fold(f64::INFINITY, f64::min)
@@ -157,13 +157,13 @@ impl Outer {
 /// The parts of `triangles` where the values of the corners, linear between, are positive: connected pieces.
 fn cut(positions: &[Point3<f64>], triangles: &[[u32; 3]], values: BTreeMap<u32, f64>) -> Vec<Outer> {
     /// Shares of an edge nearer to its end than this are not cut off; the end moves to the cut.
-    const SNAP: f64 = 0.25;
+    const MIN_EDGE_SHARE: f64 = 0.25;
     let mut snapped: BTreeMap<u32, (f64, Point3<f64>)> = BTreeMap::new();
     for t in triangles {
         for (a, b) in [(t[0], t[1]), (t[1], t[2]), (t[2], t[0]), (t[1], t[0]), (t[2], t[1]), (t[0], t[2])] {
             let (from, to) = (values[&a], values[&b]);
             let share = from / (from - to);
-            if from * to < 0.0 && share < SNAP && snapped.get(&a).is_none_or(|best| share < best.0) {
+            if from * to < 0.0 && share < MIN_EDGE_SHARE && snapped.get(&a).is_none_or(|best| share < best.0) {
                 let (p, q) = (positions[a as usize], positions[b as usize]);
                 snapped.insert(a, (share, p + (q - p) * share));
             }

@@ -5,14 +5,14 @@ use nalgebra::SVector;
 use super::fraction;
 
 /// A point of a cloud: a place, and a direction that counts as a place would.
-pub type Place = SVector<f64, 6>;
+pub type Site = SVector<f64, 6>;
 
 /// A cloud of points.
 #[derive(Debug, Default)]
 pub struct Cloud {
     /// The points.
-    pub places: Vec<Place>,
-    /// What each point stands for: an area or a volume.
+    pub places: Vec<Site>,
+    /// The measure that each point stands for: an area or a volume.
     pub weights: Vec<f64>,
     /// The size of a share at each point, up to a common factor.
     pub sizes: Vec<f64>,
@@ -20,7 +20,7 @@ pub struct Cloud {
 
 impl Cloud {
     /// `count` sites in the middle of their shares: each the farthest from those before, in sizes, then moved by Lloyd's rule.
-    pub fn sites(&self, count: usize, seed: u64) -> Vec<Place> {
+    pub fn sites(&self, count: usize, seed: u64) -> Vec<Site> {
         let count = count.min(self.places.len());
         let mut distance = vec![f64::INFINITY; self.places.len()];
         let mut next = (fraction(seed, 11) * self.places.len() as f64) as usize;
@@ -35,7 +35,7 @@ impl Cloud {
         }
         // Few rounds: shares even out, yet stay irregular.
         for _ in 0..6 {
-            let mut sums = vec![(Place::zeros(), 0.0); sites.len()];
+            let mut sums = vec![(Site::zeros(), 0.0); sites.len()];
             for ((p, weight), size) in self.places.iter().zip(&self.weights).zip(&self.sizes) {
                 let sum = &mut sums[nearest(&sites, p)];
                 // Counted in units of its size, a place where shares are small does not lose them to larger ones.
@@ -54,7 +54,7 @@ impl Cloud {
 }
 
 /// The site nearest to `place`.
-pub fn nearest(sites: &[Place], place: &Place) -> usize {
+pub fn nearest(sites: &[Site], place: &Site) -> usize {
     let nearest = sites.iter().enumerate().map(|(i, site)| ((site - place).norm_squared(), i));
     nearest.fold((f64::INFINITY, 0), |best, next| if next.0 < best.0 { next } else { best }).1
 }

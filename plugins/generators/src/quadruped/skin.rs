@@ -15,7 +15,7 @@ use super::{
 };
 
 /// The s on the spine that the body turns about.
-const ROOT: f64 = 3.5;
+const SPINE_ROOT: f64 = 3.5;
 
 /// How each vertex hangs on the limbs: part, its parameter there, weight; weights of a vertex sum to 1.
 #[derive(Debug)]
@@ -56,7 +56,7 @@ fn bind(body: &Body, point: &Point3<f64>) -> Vec<(usize, f64, f64)> {
         let (distance, thickness) = if spine { (body.trunk(point), 0.0) } else { part.chain.distance(point) };
         // Further from the limb than this it has no say. The spine's is short, so that it ends where legs come free
         // of it.
-        let reach = if spine { 0.4 * part.chain.at(ROOT).depth } else { 1.3 * thickness };
+        let reach = if spine { 0.4 * part.chain.at(SPINE_ROOT).depth } else { 1.3 * thickness };
         // Far from a limb its thickness is not known.
         if reach.is_finite() && distance < reach {
             let weight = smooth_step(1.0 - distance.max(0.0) / reach);
@@ -80,9 +80,9 @@ struct PosedLine {
     /// Rotation of what the limb hangs on.
     base: Rotation3<f64>,
     bends: Vec<Bend>,
-    /// Of the spine: the bends count from here, backwards with the other sign.
+    /// The parameter s from which the bends of the spine count, backwards with the other sign; `None` for other limbs.
     origin: Option<f64>,
-    /// Which way a swing turns about x.
+    /// The sign with which a swing turns about x.
     sign: f64,
     /// C′ at the samples of the limb.
     at: Vec<Point3<f64>>,
@@ -90,11 +90,11 @@ struct PosedLine {
 
 impl PosedLine {
     fn spine(part: &Part, gait: Gait, time: f64) -> Self {
-        let root = part.chain.at(ROOT).at;
+        let root = part.chain.at(SPINE_ROOT).at;
         let base = Rotation3::from_axis_angle(&Vector3::x_axis(), -gait.pitch(time).to_radians());
         let at = root + Vector3::y() * (gait.rise(time) * root.y);
         // Facing forward, what lies beyond a bend rises by a turn against x.
-        Self::integrate(part, base, gait.bends(Limb::Spine, false, time), Some(ROOT), -1.0, at)
+        Self::integrate(part, base, gait.bends(Limb::Spine, false, time), Some(SPINE_ROOT), -1.0, at)
     }
 
     fn hung(part: &Part, spine: &Part, posed: &Self, gait: Gait, time: f64) -> Self {

@@ -12,14 +12,14 @@ use crate::{poisson::Poisson, unreferenced::Unreferenced};
 /// The target at corresponding places of the source, and how gradients there become positions of the target.
 #[derive(Debug)]
 pub(super) struct Integral {
-    /// Of each triangle at y.
+    /// The gradient operator of each triangle at y.
     gradients: Vec<Option<Gradient>>,
     /// The unit normal of each triangle at y.
     normals: Vec<Vector3<f64>>,
     /// y.
     places: Vec<Point3<f64>>,
     poisson: Poisson,
-    loose: Unreferenced,
+    unreferenced: Unreferenced,
     triangles: Vec<[u32; 3]>,
     /// x: the target at rest in the source's frame.
     rest: Vec<Point3<f64>>,
@@ -51,7 +51,7 @@ impl Integral {
             gradients: gradients(&places, &target.triangles),
             normals: target.area_normals(&places).iter().map(|n| n.try_normalize(0.0).unwrap_or_default()).collect(),
             poisson: Poisson::new(&target, |area| area)?,
-            loose: Unreferenced::new(&target),
+            unreferenced: Unreferenced::new(&target),
             triangles: target.triangles.clone(),
             rest: target.positions,
             places,
@@ -88,7 +88,7 @@ impl Integral {
             let shift = goal - mean(&positions);
             members.iter().for_each(|&(v, _)| positions[v as usize] += shift);
         }
-        self.loose.place(|t| field[t], &mut positions);
+        self.unreferenced.place(|t| field[t], &mut positions);
         Ok(positions)
     }
 }

@@ -24,12 +24,12 @@ use mimesh_core::{
     Error, Figures, Result,
     mesh::{Surface, SurfacePoint, check_finite},
     operators::linear_blend,
-    plugin::{instance, nested},
+    plugin::{check_ranges, instance, nested},
     register,
     spatial::{Orientation, Similarity},
     stage::{
-        BoundTransfer, Clusterer, Deformer, HandleWeights, Marker, Proximity, Skin, Transfer, TransferPair,
-        Transferred, TriangleMap, Weights,
+        BindInput, BoundTransfer, Clusterer, Deformer, HandleWeights, Marker, Proximity, Skin, Transfer, TransferPair,
+        Transferred, Weights,
     },
 };
 use nalgebra::Point3;
@@ -49,14 +49,14 @@ register!(Transfer: Biharmonic);
 pub struct Biharmonic {
     /// How the influence of handles spreads over both surfaces.
     pub weights: Option<Box<dyn Weights>>,
-    /// What links the components of a source of several, so that not each needs a marker; `null` for nothing. (The target's
+    /// Links between the components of a source of several, so that not each needs a marker; `null` for none. (The target's
     /// are linked by the `proximity` of the pipeline.)
     pub source_proximity: Option<Box<dyn Proximity>>,
     /// How the source is divided into regions that move about rigidly.
     pub clusterer: Option<Box<dyn Clusterer>>,
     /// How the maps of the handles are found.
     pub deformer: Option<Box<dyn Deformer>>,
-    /// Where the maps act.
+    /// The place at which the maps act.
     pub frame: Frame,
     /// How source and target are turned to each other at rest.
     pub orientation: Orientation,
@@ -69,14 +69,14 @@ pub struct Biharmonic {
     pub learn_from: usize,
 }
 
-/// Where the maps that were found on the source act on the target.
+/// The place at which the maps that were found on the source act on the target.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Frame {
-    /// Where a similarity that fits the markers brings it.
+    /// The place to which a similarity that fits the markers brings it.
     #[default]
     Fitted,
-    /// Where it is, as in the paper: for targets that lie on the source.
+    /// The target's own place, as in the paper: for targets that lie on the source.
     Source,
 }
 
@@ -110,10 +110,6 @@ impl Default for Biharmonic {
 
 #[typetag::serde(name = "biharmonic")]
 impl Transfer for Biharmonic {
-    fn bind(&self, pair: TransferPair<'_>, map: &TriangleMap) -> Result<Box<dyn BoundTransfer>> {
-        self.bind_to_poses(pair, map, &[])
-    }
-
     fn needs_correspondence(&self) -> bool {
         false
     }
@@ -122,12 +118,8 @@ impl Transfer for Biharmonic {
         self.learn_from
     }
 
-    fn bind_to_poses(
-        &self,
-        pair: TransferPair<'_>,
-        _: &TriangleMap,
-        poses: &[Vec<Point3<f64>>],
-    ) -> Result<Box<dyn BoundTransfer>> {
+    fn bind(&self, input: BindInput<'_>) -> Result<Box<dyn BoundTransfer>> {
+        let pair = input.pair;
         self.check(pair)?;
         let (weights, clusterer, deformer) = self.stages()?;
         let handles: Vec<usize> = (0..pair.markers.len()).collect();
@@ -148,7 +140,7 @@ impl Transfer for Biharmonic {
         let on_source = pair.markers.iter().map(|m| m.source).collect();
         let of_source = solve("source", pair.source, on_source, links.as_ref())?;
         let of_target = solve("target", pair.target, pair.markers.iter().map(|m| m.target).collect(), pair.proximity)?;
-        let regions = clusterer.bind(pair.source, poses)?.cluster(&of_source.matrix)?;
+        let regions = clusterer.bind(pair.source, input.poses)?.cluster(&of_source.matrix)?;
         let skin = deformer.bind(pair.source)?.skin(&of_source, &regions)?;
 
         let target_from_source = match self.frame {
@@ -178,7 +170,7 @@ impl Transfer for Biharmonic {
     }
 
     fn check(&self, pair: TransferPair<'_>) -> Result<()> {
-        Error::check_setting("learn_from", self.learn_from as f64, 1.0, f64::INFINITY)?;
+        check_ranges(self)?;
         self.stages()?;
         if pair.markers.len() < 3 {
             return Err(Error::data(

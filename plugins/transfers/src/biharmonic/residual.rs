@@ -1,4 +1,4 @@
-//! What the maps of a few handles leave of the source's poses.
+//! The residual that the maps of a few handles leave of the source's poses.
 
 use mimesh_core::{Result, mesh::Surface, operators::vertex_normals, spatial::ClosestPoint};
 use nalgebra::{Point3, Vector3};

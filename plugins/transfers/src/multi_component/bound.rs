@@ -9,8 +9,8 @@ use mimesh_core::{
 use nalgebra::{Matrix3, Point3, Vector3};
 
 use super::{
+    foot_contacts::FootContacts,
     gaps::{Gap, Gaps},
-    plants::Plants,
     prior::Prior,
     rigid::Rigid,
     system::System,
@@ -30,9 +30,9 @@ pub struct Bound {
     pub gaps: Vec<Gap>,
     pub system: System,
     pub rigid: Rigid,
-    pub plants: Plants,
+    pub foot_contacts: FootContacts,
     pub placement: BoundPlacement,
-    pub loose: Unreferenced,
+    pub unreferenced: Unreferenced,
     pub around: Vec<Vec<u32>>,
     pub figures: Figures,
 }
@@ -43,8 +43,10 @@ impl BoundTransfer for Bound {
     }
 
     fn motion(&self) -> Option<Box<dyn Motion + '_>> {
-        let is_one = self.sequence || !self.plants.is_empty();
-        is_one.then(|| Box::new(Frames { bound: self, before: None, planted: vec![None; self.plants.len()] }) as _)
+        let is_one = self.sequence || !self.foot_contacts.is_empty();
+        is_one.then(|| {
+            Box::new(Frames { bound: self, before: None, stands_at: vec![None; self.foot_contacts.len()] }) as _
+        })
     }
 
     fn figures(&self) -> Figures {
@@ -57,31 +59,31 @@ struct Frames<'a> {
     bound: &'a Bound,
     /// Source and target at the frame before.
     before: Option<[Vec<Point3<f64>>; 2]>,
-    /// Where each plant stands, once its first frame is done.
-    planted: Vec<Option<Vector3<f64>>>,
+    /// Where each foot contact stands, once its first frame is done.
+    stands_at: Vec<Option<Vector3<f64>>>,
 }
 
 impl Motion for Frames<'_> {
     fn frame(&mut self, frame: usize, posed: &[Point3<f64>]) -> Result<Transferred> {
-        let (bound, before, planted) = (self.bound, &self.before, &mut self.planted);
-        let goals: Vec<_> = bound.plants.at(frame).filter_map(|k| Some((k, planted[k]?))).collect();
+        let (bound, before, stands_at) = (self.bound, &self.before, &mut self.stands_at);
+        let goals: Vec<_> = bound.foot_contacts.at(frame).filter_map(|k| Some((k, stands_at[k]?))).collect();
         let start = before.as_ref().filter(|_| bound.sequence).map(|[_, target]| target.as_slice());
         let place = |positions: &mut [Point3<f64>]| match before {
             _ if !goals.is_empty() => {
-                // What is rigid was moved after plants were met.
-                let off = |&(k, goal): &(usize, Vector3<f64>)| bound.plants.place(k, positions) - goal;
+                // What is rigid was moved after contacts were met.
+                let off = |&(k, goal): &(usize, Vector3<f64>)| bound.foot_contacts.place(k, positions) - goal;
                 let shift = goals.iter().map(off).sum::<Vector3<f64>>() / goals.len() as f64;
                 positions.iter_mut().for_each(|p| *p -= shift);
             }
-            // Plants have moved the target away from where the source alone would have it; it goes on from there.
-            Some([source, target]) if !bound.plants.is_empty() => {
+            // Foot contacts have moved the target away from where the source alone would have it; it goes on from there.
+            Some([source, target]) if !bound.foot_contacts.is_empty() => {
                 bound.placement.apply_since(source, target, posed, positions);
             }
             _ => bound.placement.apply(posed, positions),
         };
         let transferred = bound.solve(posed, start, &goals, place)?;
-        for k in bound.plants.at(frame) {
-            planted[k].get_or_insert_with(|| bound.plants.place(k, &transferred.positions));
+        for k in bound.foot_contacts.at(frame) {
+            stands_at[k].get_or_insert_with(|| bound.foot_contacts.place(k, &transferred.positions));
         }
         self.before = Some([posed.to_vec(), transferred.positions.clone()]);
         Ok(transferred)
@@ -89,13 +91,13 @@ impl Motion for Frames<'_> {
 }
 
 impl Bound {
-    /// The target when the source is at `posed`, the steps starting from `start`, plants held at `planted`, and put in its place
+    /// The target when the source is at `posed`, the steps starting from `start`, foot contacts held at `held`, and put in its place
     /// by `place`.
     fn solve(
         &self,
         posed: &[Point3<f64>],
         start: Option<&[Point3<f64>]>,
-        planted: &[(usize, Vector3<f64>)],
+        held: &[(usize, Vector3<f64>)],
         place: impl FnOnce(&mut [Point3<f64>]),
     ) -> Result<Transferred> {
         Error::check_shape("posed source vertices (#V)", self.field.source_vertices(), posed.len())?;
@@ -143,12 +145,12 @@ impl Bound {
         let mut positions;
         loop {
             let mut x = self.system.solve(&rhs, &self.gaps, &vectors, &details, &goals);
-            let shift = if planted.is_empty() { None } else { Some(self.plants.hold(planted, &self.system, &mut x)) };
+            let shift = if held.is_empty() { None } else { Some(self.foot_contacts.hold(held, &self.system, &mut x)) };
             positions = self.system.positions(&x);
             let mut moved = None;
             let mut energy = self.system.energy(&x, &field) + self.gap_energy(&known, &positions);
             if let (Some(prior), Some(b)) = (&self.prior, &initial) {
-                // Before plants shift the target as a whole, which E5 is not to mind.
+                // Before foot contacts shift the target as a whole, which E5 is not to mind.
                 energy += prior.energy(b, &positions);
                 let next = prior.goals(b, &positions);
                 moved = prior.distance(&goals, &next);
@@ -170,7 +172,7 @@ impl Bound {
         }
         self.rigid.fit(&mut positions);
         place(&mut positions);
-        self.loose.place(|t| field[t], &mut positions);
+        self.unreferenced.place(|t| field[t], &mut positions);
         check_finite(&positions)?;
         let mut figures = Figures::default();
         figures.set("steps", energies.len());

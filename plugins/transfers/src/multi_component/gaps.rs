@@ -10,7 +10,7 @@ use nalgebra::{Matrix3, Point3, Vector3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// What a gap between two components keeps.
+/// The property that a gap between two components keeps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Gaps {
@@ -70,7 +70,7 @@ impl Gap {
                 known: told.iter().all(Option::is_some),
             }
         };
-        let links = graph.links.iter();
+        let links = graph.links();
         Ok(links
             .flat_map(|link| link.pairs.iter().map(move |&ends| (ends, link.stiffness)))
             .map(|(e, k)| gap(e, k))
@@ -120,7 +120,7 @@ impl Gap {
     }
 }
 
-/// What is known of the target's vertices.
+/// The knowledge about the target's vertices.
 ///
 /// An end of a gap that no triangle with a partner touches stands for the nearest vertex of its component that one does: a
 /// component moves nearly as one, and its own known part tells more of the gap than a length does.
@@ -192,7 +192,7 @@ impl<'a> Knowledge<'a> {
             return self.map.points[v as usize];
         }
         self.around[v as usize].iter().find_map(|&t| {
-            let partner = self.map.partners[t as usize]?;
+            let partner = self.map.triangles[t as usize]?;
             let k = self.pair.target.triangles[t as usize].iter().position(|&w| w == v)?;
             Some(SurfacePoint::Vertex(self.pair.source.triangles[partner as usize][k]))
         })

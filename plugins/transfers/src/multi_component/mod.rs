@@ -21,23 +21,25 @@
 //! unless asked otherwise.
 
 mod bound;
+mod foot_contacts;
 mod gaps;
-mod plants;
 mod prior;
 mod rigid;
 mod system;
+mod term_weights;
 
 use mimesh_core::{
-    Error, Result, register,
+    Error, Result,
+    plugin::check_ranges,
+    register,
     spatial::Orientation,
-    stage::{BoundTransfer, ComponentRef, Transfer, TransferPair, TriangleMap},
+    stage::{BindInput, BoundTransfer, ComponentRef, Transfer, TransferPair},
 };
-use nalgebra::Point3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use self::{bound::Bound, gaps::Gap, plants::Plants, prior::Prior, rigid::Rigid, system::System};
-pub use self::{gaps::Gaps, plants::Plant};
+use self::{bound::Bound, foot_contacts::FootContacts, gaps::Gap, prior::Prior, rigid::Rigid, system::System};
+pub use self::{foot_contacts::FootContact, gaps::Gaps, term_weights::TermWeights};
 use crate::{Placement, alignment::Alignment, field::Field, gradient::Sampling, unreferenced::Unreferenced};
 
 register!(Transfer: MultiComponent);
@@ -47,38 +49,43 @@ register!(Transfer: MultiComponent);
 /// Needs `proximity:`. Works on connected targets too, where it is least squares `gradient`.
 #[derive(Debug, Deserialize, JsonSchema, Serialize)]
 #[serde(default, deny_unknown_fields)]
+#[schemars(extend("x-renamed" = { "weights": "term_weights" }))]
 pub struct MultiComponent {
     /// How the terms of the energy count against each other.
-    pub weights: Weights,
-    /// Another transfer, as `biharmonic`, from whose result the steps start, and to which the target is held (`weights.prior`);
-    /// components that correspond to nothing take their shape and gaps from it. `null` for none.
+    pub term_weights: TermWeights,
+    /// Another transfer, as `biharmonic`, from whose result the steps start, and to which the target is held (`term_weights.prior`);
+    /// components that correspond to nothing take their shape and gaps from it. `null` for none. For `biharmonic` its `weights`
+    /// default to `biharmonic` here: a prior needs no bounds, without which they take a fraction of the time.
+    #[schemars(extend("x-defaults" = { "biharmonic": { "weights": { "type": "biharmonic" } } }))]
     pub initial: Option<Box<dyn Transfer>>,
     /// σ, in diagonals of the target: vertices that come to lie farther than this from `initial` are hardly held to it. (Those
     /// of components that correspond to nothing always are.)
     #[schemars(range(min = 1e-6))]
-    pub trust: f64,
-    /// What gaps keep.
+    #[serde(rename = "trust")]
+    pub prior_radius: f64,
+    /// The property that gaps keep.
     pub gaps: Gaps,
     /// Components that move rigidly, by number or by the name of an object, group or material, e.g. eyeballs and teeth; `[all]`
-    /// for stones and robots.
+    /// for pebbles and robots.
     pub rigid: Vec<ComponentRef>,
-    /// What becomes of components that correspond to nothing.
+    /// The motion of components that correspond to nothing.
     pub orphans: Orphans,
     /// Whether poses are frames of one motion: the steps of each then start from the frame before, so that what gaps and
     /// orphans leave open does not jump. Else every pose stands alone.
     pub sequence: bool,
     /// Feet that stand still for some frames; poses are then frames of one motion.
-    pub plants: Vec<Plant>,
-    /// Where the deformation of a target triangle is taken from.
+    #[serde(rename = "plants")]
+    pub foot_contacts: Vec<FootContact>,
+    /// The origin of the deformation of a target triangle.
     pub sampling: Sampling,
     /// Most steps a pose; they are needed only for gaps of which the length alone is known, and for orphan components.
     #[schemars(range(min = 1, max = 10000))]
     pub max_steps: usize,
     /// Steps end once one lowers the energy by less than this part of it; with `initial`, once what the target is held to moves by
     /// less than this part of the diagonal.
-    #[schemars(range(min = 0.0))]
+    #[schemars(range(min = 0.0, max = 1.0))]
     pub tolerance: f64,
-    /// What fixes the global translation.
+    /// The rule that fixes the global translation.
     pub placement: Placement,
     /// How source and target are turned to each other at rest.
     pub orientation: Orientation,
@@ -87,14 +94,14 @@ pub struct MultiComponent {
 impl Default for MultiComponent {
     fn default() -> Self {
         Self {
-            weights: Weights::default(),
+            term_weights: TermWeights::default(),
             initial: None,
-            trust: 0.01,
+            prior_radius: 0.01,
             gaps: Gaps::Follow,
             rigid: vec![],
             orphans: Orphans::Rigid,
             sequence: false,
-            plants: vec![],
+            foot_contacts: vec![],
             sampling: Sampling::Points,
             max_steps: 100,
             tolerance: 1e-4,
@@ -104,7 +111,7 @@ impl Default for MultiComponent {
     }
 }
 
-/// What becomes of a component that corresponds to nothing, so that only its gaps move it.
+/// The motion of a component that corresponds to nothing, so that only its gaps move it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Orphans {
@@ -115,58 +122,22 @@ pub enum Orphans {
     Soft,
 }
 
-/// How the terms of the energy count against each other; the defaults are the paper's.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema, Serialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Weights {
-    /// w1: deformation gradients of triangles that correspond.
-    #[schemars(range(min = 1e-12))]
-    pub gradient: f64,
-    /// w2: smoothness of orphan triangles. At 0 they hold their edges at rest, as weakly as will do.
-    #[schemars(range(min = 0.0))]
-    pub smoothness: f64,
-    /// w3: gaps between components, for each pair of vertices.
-    #[schemars(range(min = 1e-12))]
-    pub gaps: f64,
-    /// w4: Laplacian details of orphan components.
-    #[schemars(range(min = 0.0))]
-    pub details: f64,
-    /// w5: how strongly the target is held to `initial`. Detail smaller than about the diagonal over √w5 is as without; at 0 the
-    /// steps only start there.
-    #[schemars(range(min = 0.0))]
-    pub prior: f64,
-}
-
-impl Default for Weights {
-    fn default() -> Self {
-        Self { gradient: 1.0, smoothness: 1.0, gaps: 0.1, details: 1.0, prior: 3.0 }
-    }
-}
-
 #[typetag::serde(name = "multi_component")]
 impl Transfer for MultiComponent {
-    fn bind(&self, pair: TransferPair<'_>, map: &TriangleMap) -> Result<Box<dyn BoundTransfer>> {
-        self.bind_to_poses(pair, map, &[])
-    }
-
     fn poses_wanted(&self) -> usize {
         self.initial.as_ref().map_or(0, |initial| initial.poses_wanted())
     }
 
-    fn bind_to_poses(
-        &self,
-        pair: TransferPair<'_>,
-        map: &TriangleMap,
-        poses: &[Vec<Point3<f64>>],
-    ) -> Result<Box<dyn BoundTransfer>> {
+    fn bind(&self, input: BindInput<'_>) -> Result<Box<dyn BoundTransfer>> {
+        let pair = input.pair;
         self.check(pair)?;
-        map.check(pair)?;
+        let map = input.require_map()?;
         let target = pair.target;
         let alignment = Alignment::new(pair, map, self.orientation);
         let similarity = alignment.target_from_source;
         let bridges = bridges(pair);
         let field = Field::new(pair, map, similarity.rotation, self.sampling == Sampling::Points, &bridges)?;
-        let gaps = Gap::all(pair, map, self.weights.gaps, |t| field.is_orphan(t))?;
+        let gaps = Gap::all(pair, map, self.term_weights.gaps, |t| field.is_orphan(t))?;
 
         let components = target.components();
         let mut orphan_component = vec![true; components.count()];
@@ -178,17 +149,17 @@ impl Transfer for MultiComponent {
         let is_orphan_vertex = |v: u32| components.of_vertex[v as usize].is_some_and(|c| orphan_component[c as usize]);
         let prior = match &self.initial {
             Some(initial) => {
-                Some(Prior::new(&**initial, pair, map, poses, [self.weights.prior, self.trust], is_orphan_vertex)?)
+                Some(Prior::new(&**initial, input, [self.term_weights.prior, self.prior_radius], is_orphan_vertex)?)
             }
             None => None,
         };
         let held = prior.as_ref().map_or(&[][..], |prior| &prior.weights);
-        let system = System::new(target, &gaps, self.weights, held, |t| field.is_orphan(t), is_orphan_vertex)?;
+        let system = System::new(target, &gaps, self.term_weights, held, |t| field.is_orphan(t), is_orphan_vertex)?;
         let orphans: Vec<usize> = (0..orphan_component.len()).filter(|&c| orphan_component[c]).collect();
         let stiff: &[usize] = if self.orphans == Orphans::Rigid { &orphans } else { &[] };
         let rigid = Rigid::new(target, &self.rigid, stiff)?;
-        let placement = self.placement.bind(pair, map, alignment)?;
-        let plants = Plants::new(pair, &self.plants, &system)?;
+        let placement = self.placement.bind(pair, alignment)?;
+        let foot_contacts = FootContacts::new(pair, &self.foot_contacts, &system)?;
 
         let mut figures = crate::gradient::figures(&similarity);
         figures.set("components", components.count());
@@ -210,7 +181,7 @@ impl Transfer for MultiComponent {
         let around = target.triangles_around();
         Ok(Box::new(Bound {
             gaps_keep: self.gaps,
-            continue_neighbours: self.weights.smoothness > 0.0,
+            continue_neighbours: self.term_weights.smoothness > 0.0,
             sequence: self.sequence,
             max_steps: self.max_steps,
             tolerance: self.tolerance,
@@ -219,36 +190,28 @@ impl Transfer for MultiComponent {
             gaps,
             system,
             rigid,
-            plants,
+            foot_contacts,
             placement,
-            loose: Unreferenced::new(target),
+            unreferenced: Unreferenced::new(target),
             around,
             figures,
         }))
     }
 
     fn check(&self, pair: TransferPair<'_>) -> Result<()> {
-        let Weights { gradient, smoothness, gaps, details, prior } = self.weights;
-        Error::check_setting("weights.gradient", gradient, 1e-12, f64::INFINITY)?;
-        Error::check_setting("weights.smoothness", smoothness, 0.0, f64::INFINITY)?;
-        Error::check_setting("weights.gaps", gaps, 1e-12, f64::INFINITY)?;
-        Error::check_setting("weights.details", details, 0.0, f64::INFINITY)?;
-        Error::check_setting("weights.prior", prior, 0.0, f64::INFINITY)?;
-        Error::check_setting("trust", self.trust, 1e-6, f64::INFINITY)?;
+        check_ranges(self)?;
         if let Some(initial) = &self.initial {
             initial.check(pair).map_err(|error| match error {
                 Error::Data { message, hint } => Error::Data { message: format!("initial: {message}"), hint },
                 other => other,
             })?;
         }
-        Error::check_setting("max_steps", self.max_steps as f64, 1.0, 10_000.0)?;
-        Error::check_setting("tolerance", self.tolerance, 0.0, 1.0)?;
         let components = pair.target.components();
         for component in &self.rigid {
             component.resolve(pair.target, &components)?;
         }
-        Plants::check(pair, &self.plants)?;
-        if !self.plants.is_empty() && !matches!(self.placement, Placement::Motion | Placement::Markers) {
+        FootContacts::check(pair, &self.foot_contacts)?;
+        if !self.foot_contacts.is_empty() && !matches!(self.placement, Placement::Motion | Placement::Markers) {
             return Err(Error::data(
                 "`plants` and `placement` both say what stands still",
                 "leave out one of them: between plants, `placement: motion` or `placement: markers` moves the target",

@@ -3,7 +3,7 @@
 use mimesh_core::{
     Result,
     operators::{DeformationGradients, voronoi_mass},
-    stage::{BoundTransfer, Transfer, TransferPair, TriangleMap},
+    stage::{BindInput, BoundTransfer, Transfer},
 };
 use nalgebra::{Matrix3, Point3, Vector3};
 
@@ -25,21 +25,19 @@ pub struct Prior {
 }
 
 impl Prior {
-    /// Binds `transfer`, with w5 = `weight` and σ = `trust` diagonals; `is_orphan` says which vertices belong to components that
+    /// Binds `transfer`, with w5 = `weight` and σ = `radius` diagonals; `is_orphan` says which vertices belong to components that
     /// correspond to nothing.
     pub fn new(
         transfer: &dyn Transfer,
-        pair: TransferPair<'_>,
-        map: &TriangleMap,
-        poses: &[Vec<Point3<f64>>],
-        [weight, trust]: [f64; 2],
+        input: BindInput<'_>,
+        [weight, radius]: [f64; 2],
         is_orphan: impl Fn(u32) -> bool,
     ) -> Result<Self> {
-        let target = pair.target;
-        let transfer = transfer.bind_to_poses(pair, map, poses)?;
+        let target = input.pair.target;
+        let transfer = transfer.bind(input)?;
         let mass = voronoi_mass(&target.positions, &target.triangles);
         let diagonal = target.diagonal();
-        let nearness = |v: usize| if is_orphan(v as u32) { 0.0 } else { (trust * diagonal).powi(-2) };
+        let nearness = |v: usize| if is_orphan(v as u32) { 0.0 } else { (radius * diagonal).powi(-2) };
         Ok(Self {
             transfer,
             gradients: DeformationGradients::new(&target.positions, &target.triangles),

@@ -9,13 +9,13 @@ use mimesh_core::{
 use nalgebra::{Matrix3, Point3, Vector3};
 use nalgebra_sparse::CscMatrix;
 
-use super::{Weights, gaps::Gap};
+use super::{gaps::Gap, term_weights::TermWeights};
 
 /// How strongly a triangle without area holds its edges, in units of cotangent weight.
 const DEGENERATE_WEIGHT: f64 = 1e-4;
 
 /// How strongly the edges of every triangle are held, too weakly to be felt where anything else holds them.
-const SLIGHT_WEIGHT: f64 = 1e-9;
+const REGULARIZATION_WEIGHT: f64 = 1e-9;
 
 /// E1 + E2 + E3 + E4 with directions held: one matrix, factored once.
 #[derive(Debug)]
@@ -23,12 +23,12 @@ pub struct System {
     cholesky: Cholesky,
     rest: Vec<Point3<f64>>,
     triangles: Vec<[u32; 3]>,
-    /// What a gradient multiplies into the right-hand side of each corner (E1, and a little for every triangle).
-    pull: Vec<Matrix3<f64>>,
+    /// The factor of a gradient in the right-hand side of each corner, by columns (E1, and a little for every triangle).
+    rhs_of_gradient: Vec<Matrix3<f64>>,
     /// Their gradients and weights.
     gradients: Vec<Option<(Gradient, f64)>>,
-    /// Neighbouring orphans (E2).
-    agreeing: Vec<(Tetrahedron, Tetrahedron, f64)>,
+    /// Neighbouring orphans (E2): both tetrahedra and the weight.
+    smooth_pairs: Vec<(Tetrahedron, Tetrahedron, f64)>,
     /// Orphans with a corresponding neighbour, by which they are held (E2): tetrahedron, neighbour, weight.
     held: Vec<(Tetrahedron, u32, f64)>,
     /// The Laplacian of orphan components (E4), times w4 on the right-hand side.
@@ -38,7 +38,7 @@ pub struct System {
     /// β of E5; empty for none.
     prior: Vec<f64>,
     /// Vertices without a triangle, which the system says nothing of.
-    loose: Vec<u32>,
+    unreferenced: Vec<u32>,
 }
 
 /// E4 of orphan components.
@@ -57,7 +57,7 @@ impl System {
     pub fn new(
         target: &Surface,
         gaps: &[Gap],
-        weights: Weights,
+        weights: TermWeights,
         prior: &[f64],
         is_orphan: impl Fn(usize) -> bool,
         orphan_component: impl Fn(u32) -> bool,
@@ -75,13 +75,17 @@ impl System {
             })
             .collect();
         let mut assembly = Assembly::new(unknowns);
-        let mut pull = Vec::with_capacity(gradients.len());
+        let mut rhs_of_gradient = Vec::with_capacity(gradients.len());
         for (t, gradient) in gradients.iter().enumerate() {
             let corners = &target.triangles[t];
             // The edges of every triangle are held a little, so that what no other term holds follows its neighbours.
-            let slight =
-                tie(target, corners, if gradient.is_some() { SLIGHT_WEIGHT } else { DEGENERATE_WEIGHT }, &mut assembly);
-            pull.push(match gradient {
+            let slight = regularize(
+                target,
+                corners,
+                if gradient.is_some() { REGULARIZATION_WEIGHT } else { DEGENERATE_WEIGHT },
+                &mut assembly,
+            );
+            rhs_of_gradient.push(match gradient {
                 Some(Gradient { of_corners: g, area }) if !is_orphan(t) => {
                     let w = weights.gradient * area;
                     let rows: [[f64; 3]; 3] = std::array::from_fn(|i| g.column(i).into_owned().into());
@@ -92,29 +96,31 @@ impl System {
             });
         }
         let area = |t: usize| gradients[t].map_or(0.0, |g| g.area);
-        let (mut held, mut agreeing) = (Vec::new(), Vec::new());
+        let (mut held, mut smooth_pairs) = (Vec::new(), Vec::new());
         for [a, b] in target.topology().adjacent {
             let weight = weights.smoothness * (area(a as usize) + area(b as usize)) / 2.0;
             match (&tetrahedra[a as usize], &tetrahedra[b as usize]) {
-                (Some(a), Some(b)) => agreeing.push((a.clone(), b.clone(), weight)),
+                (Some(a), Some(b)) => smooth_pairs.push((a.clone(), b.clone(), weight)),
                 (Some(orphan), None) => held.push((orphan.clone(), b, weight)),
                 (None, Some(orphan)) => held.push((orphan.clone(), a, weight)),
                 (None, None) => {}
             }
         }
-        agreeing.iter().for_each(|(a, b, weight): &(Tetrahedron, Tetrahedron, f64)| a.agree(b, *weight, &mut assembly));
+        smooth_pairs
+            .iter()
+            .for_each(|(a, b, weight): &(Tetrahedron, Tetrahedron, f64)| a.add_smoothness(b, *weight, &mut assembly));
         let mut nowhere = vec![0.0; 3 * unknowns];
-        held.iter().for_each(|(orphan, _, w)| orphan.attract(&Matrix3::identity(), *w, &mut assembly, &mut nowhere));
+        held.iter().for_each(|(orphan, _, w)| orphan.add_target(&Matrix3::identity(), *w, &mut assembly, &mut nowhere));
         for gap in gaps {
             assembly.add_outer(&gap.ends, &[[1.0], [-1.0]], gap.weight);
         }
         let detail = Detail::new(target, weights.details, orphan_component, &mut assembly);
         let mut used = vec![false; n];
         target.triangles.iter().flatten().for_each(|&v| used[v as usize] = true);
-        let loose: Vec<u32> = (0..n as u32).filter(|&v| !used[v as usize]).collect();
+        let unreferenced: Vec<u32> = (0..n as u32).filter(|&v| !used[v as usize]).collect();
         // Coordinates are relative to the anchor. No term minds a translation, so that this holds it exactly.
         let anchor = target.triangles.first().map_or(0, |t| t[0]);
-        loose.iter().for_each(|&v| assembly.add(v as usize, v as usize, 1.0));
+        unreferenced.iter().for_each(|&v| assembly.add(v as usize, v as usize, 1.0));
         // E5 minds a translation, and holds it instead.
         let is_held = prior.iter().sum::<f64>() > 0.0;
         if !is_held {
@@ -127,15 +133,15 @@ impl System {
             cholesky,
             rest: target.positions.clone(),
             triangles: target.triangles.clone(),
-            pull,
+            rhs_of_gradient,
             gradients: (0..gradients.len()).map(known).collect(),
-            agreeing,
+            smooth_pairs,
             held,
             detail,
             unknowns,
             anchor,
             prior: if is_held { prior.to_vec() } else { vec![] },
-            loose,
+            unreferenced,
         })
     }
 
@@ -143,14 +149,14 @@ impl System {
     pub fn rhs(&self, field: &[Matrix3<f64>]) -> Vec<f64> {
         let n = self.unknowns;
         let mut rhs = vec![0.0; 3 * n];
-        for ((t, pull), f) in self.triangles.iter().zip(&self.pull).zip(field) {
-            let b = f * pull;
+        for ((t, of_gradient), f) in self.triangles.iter().zip(&self.rhs_of_gradient).zip(field) {
+            let b = f * of_gradient;
             for (k, &v) in t.iter().enumerate() {
                 (0..3).for_each(|c| rhs[c * n + v as usize] += b[(c, k)]);
             }
         }
         for (orphan, neighbour, weight) in &self.held {
-            orphan.attract_rhs(&field[*neighbour as usize], *weight, &mut rhs);
+            orphan.add_target_rhs(&field[*neighbour as usize], *weight, &mut rhs);
         }
         rhs
     }
@@ -184,9 +190,9 @@ impl System {
         x
     }
 
-    /// How the unknowns of one coordinate answer to a pull at the mean of `points` (vertices with weights that sum to 1).
+    /// How the unknowns of one coordinate answer to a unit force at the mean of `points` (vertices with weights that sum to 1).
     ///
-    /// Nothing but the anchor resists a pull as a whole, so that every answer has a translation of 1; it cancels among pulls
+    /// Nothing but the anchor resists a force on the whole, so that every answer has a translation of 1; it cancels among forces
     /// that sum to 0.
     pub fn response(&self, points: &[(u32, f64)]) -> Vec<f64> {
         let mut x = vec![0.0; self.unknowns];
@@ -201,7 +207,7 @@ impl System {
         let anchor = self.rest[self.anchor as usize];
         let mut positions: Vec<_> =
             (0..self.rest.len()).map(|v| anchor + Vector3::new(x[v], x[n + v], x[2 * n + v])).collect();
-        self.loose.iter().for_each(|&v| positions[v as usize] = self.rest[v as usize]);
+        self.unreferenced.iter().for_each(|&v| positions[v as usize] = self.rest[v as usize]);
         positions
     }
 
@@ -235,7 +241,7 @@ impl System {
         for (orphan, neighbour, weight) in &self.held {
             energy += weight * (orphan.deformation_gradient(at) - field[*neighbour as usize]).norm_squared();
         }
-        for (a, b, weight) in &self.agreeing {
+        for (a, b, weight) in &self.smooth_pairs {
             energy += weight * (a.deformation_gradient(at) - b.deformation_gradient(at)).norm_squared();
         }
         energy
@@ -305,16 +311,16 @@ fn coordinates(laplacian: &CscMatrix<f64>, vertices: &[u32], positions: &[Point3
 }
 
 /// Holds the edges of a triangle; returns what a gradient multiplies into the right-hand side.
-fn tie(target: &Surface, t: &[u32; 3], weight: f64, assembly: &mut Assembly) -> Matrix3<f64> {
-    let mut pull = Matrix3::zeros();
+fn regularize(target: &Surface, t: &[u32; 3], weight: f64, assembly: &mut Assembly) -> Matrix3<f64> {
+    let mut rhs = Matrix3::zeros();
     for (i, j) in [(0, 1), (1, 2), (2, 0)] {
         if t[i] != t[j] {
             assembly.add_outer(&[t[i], t[j]], &[[1.0], [-1.0]], weight);
             let edge = (target.positions[t[i] as usize] - target.positions[t[j] as usize]) * weight;
-            let (a, b) = (pull.column(i) + edge, pull.column(j) - edge);
-            pull.set_column(i, &a);
-            pull.set_column(j, &b);
+            let (a, b) = (rhs.column(i) + edge, rhs.column(j) - edge);
+            rhs.set_column(i, &a);
+            rhs.set_column(j, &b);
         }
     }
-    pull
+    rhs
 }

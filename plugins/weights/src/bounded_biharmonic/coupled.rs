@@ -8,10 +8,10 @@
 use mimesh_core::{Result, linalg::Cholesky};
 use rayon::prelude::*;
 
-use super::qp::{BoxProgram, CLOSEST, PATIENCE};
+use super::qp::{BoxProgram, MAX_STALLED_STEPS, MAX_STEP_TO_BOUND};
 
 /// Most conjugate gradient steps of a direction.
-const MOST_STEPS: usize = 1000;
+const MAX_STEPS: usize = 1000;
 
 /// Weights near the minimum.
 #[derive(Clone, Debug)]
@@ -49,7 +49,8 @@ impl BoxProgram<'_> {
         let mut factors = vec![self.factored.clone(); count];
         let mut y = vec![0.0; n];
         let mut stalled = 0;
-        while best.relative_gap > tolerance && best.iterations + stalled < max_iterations && stalled < PATIENCE {
+        while best.relative_gap > tolerance && best.iterations + stalled < max_iterations && stalled < MAX_STALLED_STEPS
+        {
             let refactored = factors.par_iter_mut().zip(&at.x).zip(&at.z).map(|((factor, x), z)| {
                 let starts = self.energy.matrix.col_offsets();
                 factor.refactor(|values| {
@@ -119,7 +120,7 @@ impl BoxProgram<'_> {
             self.free.iter().for_each(|&i| goal[i] = centre - dx[i] * dz[i]);
         }
         let direction = self.direction_coupled(at, &gradients, &goal, factors, y, accuracy);
-        let step = (CLOSEST * self.longest_coupled(at, &direction)).min(1.0);
+        let step = (MAX_STEP_TO_BOUND * self.longest_coupled(at, &direction)).min(1.0);
         for h in 0..count {
             for &i in &self.free {
                 at.x[h][i] += step * direction.x[h][i];
@@ -201,7 +202,7 @@ impl BoxProgram<'_> {
         let mut z = precondition(&r);
         let mut p = z.clone();
         let mut rz = dot(&r, &z);
-        for _ in 0..MOST_STEPS {
+        for _ in 0..MAX_STEPS {
             if r.iter().all(|r| r.abs() <= accuracy) || rz <= 0.0 {
                 return;
             }

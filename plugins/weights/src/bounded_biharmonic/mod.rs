@@ -18,9 +18,10 @@ mod normalise;
 mod qp;
 
 use mimesh_core::{
-    Error, Figures, Result,
+    Figures, Result,
     linalg::Cholesky,
     mesh::{Surface, SurfacePoint},
+    plugin::check_ranges,
     register,
     stage::{BoundWeights, HandlePoints, HandleWeights, ProximityGraph, Weights},
 };
@@ -63,7 +64,7 @@ pub enum Normalize {
     /// All handles are solved for together under that constraint, as the paper prints it. Takes about 30 times as long; on a body
     /// with 12 handles weights differ by up to 0.06, and the sum of energies is 8 % below that of divided rows.
     Exact,
-    /// Not at all: rows sum to about 1, as other programs give these weights. Deformers want them to sum to 1.
+    /// They are not: rows sum to about 1, as other programs give these weights. Deformers want them to sum to 1.
     None,
 }
 
@@ -81,8 +82,7 @@ impl Weights for BoundedBiharmonic {
         points: &[SurfacePoint],
         proximity: Option<&ProximityGraph>,
     ) -> Result<Box<dyn BoundWeights>> {
-        Error::check_setting("tolerance", self.tolerance, 1e-12, 0.1)?;
-        Error::check_setting("max_iterations", self.max_iterations as f64, 1.0, f64::INFINITY)?;
+        check_ranges(self)?;
         let points = HandlePoints::new(surface, points)?;
         let domain = Domain::new(surface, proximity, self.bridge)?;
         let mut first = vec![None; domain.groups.len()];
@@ -103,7 +103,7 @@ struct Bound {
     settings: BoundedBiharmonic,
     domain: Domain,
     points: HandlePoints,
-    /// What is factored, for each group with a point.
+    /// The factorisations, one for each group with a point.
     parts: Vec<Option<Part>>,
 }
 
@@ -135,7 +135,7 @@ struct Task<'a> {
     program: BoxProgram<'a>,
 }
 
-/// What was solved for a handle.
+/// The solution for a handle.
 struct Solved {
     group: usize,
     handle: usize,
@@ -187,7 +187,7 @@ impl BoundWeights for Bound {
             ));
         }
         self.normalise(&solved, &mut matrix, &mut figures);
-        for [v, by] in self.domain.followers(&by_group)? {
+        for [v, by] in self.domain.unreached(&by_group)? {
             let row = matrix.row(by as usize).into_owned();
             matrix.set_row(v as usize, &row);
         }

@@ -6,7 +6,7 @@ use nalgebra::DMatrix;
 use super::{Bound, Normalize, Solved};
 
 /// Below this sum the weights of a vertex say nothing of their proportions.
-const LEAST_SUM: f64 = 1e-3;
+const MIN_SUM: f64 = 1e-3;
 
 impl Bound {
     /// Divides the rows of the solved weights by their sums, if the settings say so; tells of the sums in any case.
@@ -22,7 +22,7 @@ impl Bound {
                 if self.settings.normalize == Normalize::None {
                     continue;
                 }
-                if sum >= LEAST_SUM {
+                if sum >= MIN_SUM {
                     of_group.iter().for_each(|found| matrix[at(found)] /= sum);
                     continue;
                 }

@@ -16,16 +16,16 @@ use crate::bilaplacian::Bilaplacian;
 const MARGIN: f64 = 0.05;
 
 /// The part of the way to the nearest bound that a step goes at most.
-pub(super) const CLOSEST: f64 = 0.995;
+pub(super) const MAX_STEP_TO_BOUND: f64 = 0.995;
 
 /// Steps without a smaller gap after which there is no more to come.
-pub(super) const PATIENCE: usize = 8;
+pub(super) const MAX_STALLED_STEPS: usize = 8;
 
 /// Further correctors of a step: the first takes the factorisations down by 12 %, others by 1 to 2 %.
-const FURTHER: usize = 1;
+const MAX_CORRECTORS: usize = 1;
 
-/// How much longer than the last step a further corrector wishes its step to be.
-const WISH: f64 = 0.3;
+/// How much longer than the last step a further corrector aims to make its step.
+const STEP_INCREASE: f64 = 0.3;
 
 /// min ½ xᵀ Q x over 0 ≤ x ≤ 1, where some unknowns are held.
 #[derive(Debug)]
@@ -50,7 +50,7 @@ pub struct Minimum {
     pub iterations: usize,
 }
 
-/// Where the method is: x, and the multipliers of x ≥ 0 and of x ≤ 1.
+/// An iterate of the method: x, and the multipliers of x ≥ 0 and of x ≤ 1.
 struct Iterate {
     x: Vec<f64>,
     lower: Vec<f64>,
@@ -92,7 +92,10 @@ impl<'a> BoxProgram<'a> {
         let starts = self.energy.matrix.col_offsets();
         let mut best = self.at_bounds(&at.x, energy, &gradient);
         let mut stalled = 0;
-        while best.gap > tolerance * best.energy && best.iterations + stalled < max_iterations && stalled < PATIENCE {
+        while best.gap > tolerance * best.energy
+            && best.iterations + stalled < max_iterations
+            && stalled < MAX_STALLED_STEPS
+        {
             let factored = cholesky.refactor(|values| {
                 values.copy_from_slice(&self.values);
                 for &i in &self.free {
@@ -153,9 +156,9 @@ impl<'a> BoxProgram<'a> {
             goal[1][i] = centre + affine.x[i] * affine.upper[i];
         }
         let mut best = self.direction(at, gradient, &goal, cholesky);
-        let mut step = (CLOSEST * self.longest(at, &best)).min(1.0);
-        for _ in 0..FURTHER {
-            let further = (step + WISH).min(1.0);
+        let mut step = (MAX_STEP_TO_BOUND * self.longest(at, &best)).min(1.0);
+        for _ in 0..MAX_CORRECTORS {
+            let further = (step + STEP_INCREASE).min(1.0);
             // Products that would stray from the centre after a longer step are aimed at its neighbourhood.
             let nearer = |value: f64, slope: f64, z: f64, dz: f64| {
                 let product = (value + further * slope) * (z + further * dz);
@@ -167,8 +170,8 @@ impl<'a> BoxProgram<'a> {
                 corrected[1][i] += nearer(1.0 - at.x[i], -best.x[i], at.upper[i], best.upper[i]);
             }
             let direction = self.direction(at, gradient, &corrected, cholesky);
-            let length = (CLOSEST * self.longest(at, &direction)).min(1.0);
-            if length < step + 0.1 * WISH {
+            let length = (MAX_STEP_TO_BOUND * self.longest(at, &direction)).min(1.0);
+            if length < step + 0.1 * STEP_INCREASE {
                 break;
             }
             (goal, best, step) = (corrected, direction, length);

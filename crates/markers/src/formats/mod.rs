@@ -1,0 +1,13 @@
+//! The notations of marker files, each with its reader and its writer.
+
+mod columns;
+pub mod cons;
+pub mod json;
+mod json_point;
+mod json_syntax;
+pub mod pp;
+mod rows;
+pub mod table;
+pub mod wrap;
+pub mod yaml;
+mod yaml_point;

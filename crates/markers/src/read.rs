@@ -1,0 +1,81 @@
+//! Reading marker files in any notation.
+
+use std::path::Path;
+
+use mimesh_document::{Diagnostic, Kind, Location, Result};
+
+use crate::{
+    formats::{cons, json, pp, table, yaml},
+    model::MarkerFile,
+    notation::{Notation, ending},
+    points::PointFile,
+    text,
+};
+
+/// Reads a file that holds both sides of markers, in the notation of its ending.
+///
+/// # Errors
+///
+/// All that is wrong with the file, each with its line.
+pub fn read_markers(file: &Path) -> Result<MarkerFile> {
+    match Notation::of(file) {
+        Some(Notation::Cons) => cons::parse(file, &text::read(file)?),
+        Some(Notation::Yaml) => yaml::parse(file, &text::read(file)?),
+        Some(_) => {
+            let hint = format!("name a file for each side: `markers: {{ source: {}, target: … }}`", file_name(file));
+            Err(unusable(file, format!("a .{} holds the points of one mesh only", ending(file)), hint).into())
+        }
+        None => {
+            let hint = "a .cons has the count in its first line, then `source, target` a line";
+            Err(unusable(file, "not a file of markers: expected .cons or .yaml".into(), hint.into()).into())
+        }
+    }
+}
+
+/// Reads a file with the points of one mesh, in the notation of its ending and its beginning.
+///
+/// # Errors
+///
+/// All that is wrong with the file, each with its line.
+pub fn read_points(file: &Path) -> Result<PointFile> {
+    match Notation::of(file) {
+        Some(notation) if !notation.holds_both_sides() => parse_points(file, &text::read(file)?),
+        Some(_) => {
+            let hint = format!("name it alone: `markers: {}`", file_name(file));
+            Err(unusable(file, "this file holds both sides of the markers".into(), hint).into())
+        }
+        None => {
+            let hint = "MeshLab writes .pp, Wrap .json or .txt; see docs/markers.md for tables and JSON";
+            Err(unusable(file, "not a file of points: expected .pp, .json, .txt or .csv".into(), hint.into()).into())
+        }
+    }
+}
+
+/// Parses the text of `file`, which holds the points of one mesh.
+///
+/// # Errors
+///
+/// As [`read_points`].
+pub fn parse_points(file: &Path, text: &str) -> Result<PointFile> {
+    let text = text::strip_bom(text);
+    let points = match (Notation::of(file), text.trim_start().chars().next()) {
+        (Some(Notation::PickedPoints), _) | (_, Some('<')) => pp::parse(file, text)?,
+        (Some(Notation::Json), _) | (_, Some('[' | '{')) => json::parse(file, text)?,
+        _ => table::parse(file, text)?,
+    };
+    if points.points.is_empty() {
+        let more = points.warnings.first().map_or(String::new(), |warning| format!(" ({warning})"));
+        let diagnostic = Diagnostic::new(Kind::BadData, format!("no points{more}")).at(Location::File(file.into()));
+        return Err(diagnostic.hint("pick some, and save the file again").into());
+    }
+    Ok(points)
+}
+
+/// The diagnostic of a file that a pipeline cannot name in this place.
+fn unusable(file: &Path, message: String, hint: String) -> Diagnostic {
+    Diagnostic::new(Kind::BadPipeline, message).at(Location::File(file.into())).hint(hint)
+}
+
+fn file_name(file: &Path) -> String {
+    file.file_name().unwrap_or_default().to_string_lossy().into_owned()
+}

@@ -1,0 +1,233 @@
+//! The keys of results: hashes of all that a result depends on.
+
+use std::path::Path;
+
+use blake3::{Hash, Hasher};
+use mimesh_core::{mesh::Surface, stage::Marker};
+use mimesh_document::Step;
+use nalgebra::Point3;
+use rayon::prelude::*;
+use serde::Serialize;
+use serde_json::{Map, Value, json};
+
+use super::store::Key;
+use crate::{
+    input::{FileHashes, GroundTruth, PoseFrom, PoseInput, Prepared, RestMesh, evenly_spaced},
+    json::{to_bytes, to_value},
+    schema::{SchemaNode, file_settings},
+};
+
+/// The key of a stage's result, and the inputs that it is the hash of.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StageKey {
+    /// Settings as JSON, everything else as hashes, by name.
+    pub inputs: Map<String, Value>,
+    /// The hash of the inputs.
+    pub key: Key,
+}
+
+impl StageKey {
+    fn new(stage: &str, inputs: &[(&str, Value)]) -> Self {
+        let inputs: Map<String, Value> =
+            inputs.iter().map(|(name, value)| ((*name).to_owned(), value.clone())).collect();
+        // serde_json keeps the order of settings, which is that of their declaration.
+        Self { key: Key(blake3::hash(&to_bytes(&(stage, &inputs)))), inputs }
+    }
+
+    fn hex(&self) -> String {
+        self.key.0.to_hex().to_string()
+    }
+}
+
+/// The keys of a run.
+#[derive(Clone, Debug)]
+pub struct RunKeys {
+    /// The key of the proximity graph, if there is one.
+    pub proximity: Option<StageKey>,
+    /// The key of the triangle map, if there is one.
+    pub correspondence: Option<StageKey>,
+    /// The key of the bound transfer.
+    pub transfer: StageKey,
+    /// The hash of the contents of each pose; `None` for a pose that cannot be read.
+    poses: Vec<Option<Hash>>,
+    /// The hash of the metrics with their settings.
+    metrics: Hash,
+    /// The hash of the known result of each pose; `None` for one that cannot be read.
+    truths: Vec<Option<Hash>>,
+}
+
+impl RunKeys {
+    /// The keys for `prepared`, computed by `program`.
+    pub fn new(prepared: &Prepared, program: &str) -> Self {
+        let (source, target) = (hash_of_mesh(&prepared.source), hash_of_mesh(&prepared.target));
+        let pipeline = &prepared.pipeline;
+        let hashes = &prepared.hashes;
+        let proximity = pipeline.proximity.as_ref().map(|stage| proximity_of(stage, &target, hashes, program));
+        let proximity_hex = to_value(&proximity.as_ref().map(StageKey::hex));
+        let markers: Value = hash_of_markers(&prepared.markers).into();
+        let correspondence = pipeline.correspondence.as_ref().map(|stage| {
+            let settings = to_value(stage);
+            StageKey::new(
+                "correspondence",
+                &[
+                    ("program", program.into()),
+                    ("files", hashes_of_files("correspondence", &settings, hashes)),
+                    ("settings", settings),
+                    ("source", source.clone().into()),
+                    ("target", target.clone().into()),
+                    ("markers", markers.clone()),
+                    ("proximity", proximity_hex.clone()),
+                ],
+            )
+        });
+        let poses: Vec<_> = prepared.poses.par_iter().map(|pose| hash_of_pose(prepared, &source, pose)).collect();
+        let settings = to_value(&pipeline.transfer);
+        let wanted = pipeline.transfer.as_ref().map_or(0, |transfer| transfer.poses_wanted());
+        let transfer = StageKey::new(
+            "transfer",
+            &[
+                ("program", program.into()),
+                ("files", hashes_of_files("transfer", &settings, hashes)),
+                ("settings", settings),
+                ("source", source.into()),
+                ("target", target.into()),
+                ("markers", markers),
+                ("proximity", proximity_hex),
+                ("correspondence", to_value(&correspondence.as_ref().map(StageKey::hex))),
+                ("poses it learns from", hash_of_chosen(&poses, wanted)),
+            ],
+        );
+        let metrics = to_value(&prepared.metrics);
+        let metrics = blake3::hash(&to_bytes(&(program, hashes_of_files("metrics", &metrics, hashes), &metrics)));
+        let truths = (0..poses.len()).into_par_iter().map(|i| hash_of_truth(prepared, i)).collect();
+        Self { proximity, correspondence, transfer, poses, metrics, truths }
+    }
+
+    /// The key of the measurements of pose `i`, which depend on the two poses before it too.
+    pub fn metrics(&self, i: usize, motion: bool) -> Option<Key> {
+        let result = |i: usize| if motion { self.frame(i) } else { self.pose(i) };
+        let before = |back: usize| i.checked_sub(back).and_then(result).map_or(blake3::hash(b"none"), |key| key.0);
+        Some(self.of_poses("judged", &[result(i)?.0, before(1), before(2), self.metrics, self.truths[i]?]))
+    }
+
+    /// The key of pose `i`'s result, where poses stand alone.
+    pub fn pose(&self, i: usize) -> Option<Key> {
+        Some(self.of_poses("pose", &[self.poses[i]?]))
+    }
+
+    /// The key of frame `i`'s result, which depends on all frames before it.
+    pub fn frame(&self, i: usize) -> Option<Key> {
+        let before: Vec<_> = self.poses[..i].iter().map(|pose| pose.unwrap_or(blake3::hash(b"unreadable"))).collect();
+        Some(self.of_poses("frame", &[&before[..], &[self.poses[i]?]].concat()))
+    }
+
+    fn of_poses(&self, kind: &str, poses: &[Hash]) -> Key {
+        let mut hasher = Hasher::new();
+        hasher.update(kind.as_bytes());
+        hasher.update(self.transfer.key.0.as_bytes());
+        poses.iter().for_each(|pose| _ = hasher.update(pose.as_bytes()));
+        Key(hasher.finalize())
+    }
+}
+
+/// The key of the proximity graph that `stage` makes of `target`, computed by `program`.
+pub fn proximity_key<S: Serialize + ?Sized>(
+    stage: &S,
+    target: &RestMesh,
+    hashes: &FileHashes,
+    program: &str,
+) -> StageKey {
+    proximity_of(stage, &hash_of_mesh(target), hashes, program)
+}
+
+fn proximity_of<S: Serialize + ?Sized>(stage: &S, target: &str, hashes: &FileHashes, program: &str) -> StageKey {
+    let settings = to_value(stage);
+    StageKey::new(
+        "proximity",
+        &[
+            ("program", program.into()),
+            ("files", hashes_of_files("proximity", &settings, hashes)),
+            ("settings", settings),
+            ("target", target.into()),
+        ],
+    )
+}
+
+/// The hashes of all files that the settings in `slot` declare, by path.
+fn hashes_of_files(slot: &str, settings: &Value, hashes: &FileHashes) -> Value {
+    let node = SchemaNode::pipeline().entry(&Step::Key(slot.into()), None);
+    let files = node.map(|node| file_settings(node, settings)).unwrap_or_default();
+    let hashed = |file: &Path| (file.to_string_lossy().into_owned(), to_value(&hashes.hash(file)));
+    Value::Object(files.iter().map(|setting| hashed(&setting.file)).collect())
+}
+
+/// The hash of the poses that a transfer learns from: `wanted` of `poses`.
+fn hash_of_chosen(poses: &[Option<Hash>], wanted: usize) -> Value {
+    let chosen = evenly_spaced(poses.len(), wanted).into_iter();
+    let hex: Vec<String> =
+        chosen.map(|i| poses[i].map_or_else(String::new, |hash| hash.to_hex().to_string())).collect();
+    json!(blake3::hash(hex.join(" ").as_bytes()).to_hex().to_string())
+}
+
+fn hash_of_pose(prepared: &Prepared, source: &str, pose: &PoseInput) -> Option<Hash> {
+    let mut hasher = Hasher::new();
+    match &pose.from {
+        PoseFrom::Held(i) => update_points(&mut hasher, &prepared.source.sequence.poses[*i].positions),
+        PoseFrom::File(path) => {
+            // How a file is read may depend on the mesh at rest.
+            hasher.update(source.as_bytes());
+            update_file(&mut hasher, prepared, path)?;
+        }
+    }
+    Some(hasher.finalize())
+}
+
+/// The hash of the known result of pose `i`, or of there being none.
+fn hash_of_truth(prepared: &Prepared, i: usize) -> Option<Hash> {
+    let mut hasher = Hasher::new();
+    match &prepared.truth {
+        GroundTruth::None => _ = hasher.update(b"none"),
+        GroundTruth::Held(by_name) => {
+            if let Some(positions) = by_name.get(&prepared.poses[i].name) {
+                update_points(&mut hasher, positions);
+            }
+        }
+        GroundTruth::Files(files) => update_file(&mut hasher, prepared, &files[i])?,
+    }
+    Some(hasher.finalize())
+}
+
+fn hash_of_mesh(mesh: &RestMesh) -> String {
+    let mut hasher = Hasher::new();
+    let rest = &mesh.sequence.rest;
+    let Surface { positions, triangles, polygon_of, vertex_of, representative, part_names, part_of, other_names } =
+        &mesh.surface;
+    hasher.update(&(rest.positions.len() as u64).to_le_bytes());
+    hasher.update(&(positions.len() as u64).to_le_bytes());
+    update_points(&mut hasher, &rest.positions);
+    update_points(&mut hasher, positions);
+    for numbers in [polygon_of, vertex_of, representative, part_of] {
+        hasher.update(&(numbers.len() as u64).to_le_bytes());
+        numbers.iter().for_each(|n| _ = hasher.update(&n.to_le_bytes()));
+    }
+    triangles.iter().flatten().for_each(|n| _ = hasher.update(&n.to_le_bytes()));
+    hasher.update(&to_bytes(&(part_names, other_names)));
+    hasher.finalize().to_hex().to_string()
+}
+
+fn hash_of_markers(markers: &[Marker]) -> String {
+    let all: Vec<_> = markers.iter().map(|marker| (&marker.name, marker.source, marker.target)).collect();
+    blake3::hash(&to_bytes(&all)).to_hex().to_string()
+}
+
+fn update_points(hasher: &mut Hasher, points: &[Point3<f64>]) {
+    points.iter().flat_map(|p| p.coords.as_slice()).for_each(|x| _ = hasher.update(&x.to_le_bytes()));
+}
+
+/// Adds a mesh file: its contents, and the settings of formats and the extension, on which its reading depends.
+fn update_file(hasher: &mut Hasher, prepared: &Prepared, path: &Path) -> Option<()> {
+    hasher.update(&to_bytes(prepared.formats.all()));
+    hasher.update(path.extension().unwrap_or_default().as_encoded_bytes());
+    hasher.update(prepared.hashes.hash(path)?.as_bytes());
+    Some(())
+}

@@ -1,0 +1,283 @@
+//! A folder of results under their keys.
+//!
+//! An entry is a file of its own, named by its key, which begins with the BLAKE3 hash of the rest. It is written to a temporary
+//! file and renamed, so that any number of runs may share a folder: each finds an entry whole or not at all, and two that write
+//! the same one write the same bytes. The hash shows entries that a failing disk or a hand has changed; they are removed and
+//! computed again.
+
+use std::{
+    io::{self, Write},
+    path::{Path, PathBuf},
+    time::{Duration, SystemTime},
+};
+
+use mimesh_core::{Error, Result};
+
+/// The first bytes of an entry; another layout gets another one, and another folder.
+const MAGIC: &[u8] = b"mimesh cache 1\n";
+
+/// The folder below the cache's that holds entries of this layout.
+const LAYOUT: &str = "v1";
+
+/// Temporary files of this age are removed; runs that were killed leave them.
+const STALE: Duration = Duration::from_secs(3600);
+
+/// The part of the limit that is left after a clean-up, so that not every run cleans up.
+const AFTER_CLEANUP: f64 = 0.9;
+
+/// A key: the BLAKE3 hash of everything that a result depends on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Key(pub blake3::Hash);
+
+/// The answer of a store for a key.
+#[derive(Debug, PartialEq, Eq)]
+pub enum Lookup {
+    /// The bytes that were stored.
+    Hit(Vec<u8>),
+    /// There is no entry.
+    Miss,
+    /// An entry that is not what was written; it is removed.
+    Corrupt,
+}
+
+/// The size of a cache, or of a part of it.
+#[derive(Clone, Debug, Default, PartialEq, Eq, serde::Serialize)]
+pub struct CacheUsage {
+    /// Entries.
+    pub entries: usize,
+    /// Bytes.
+    pub bytes: u64,
+}
+
+/// A folder of results.
+#[derive(Clone, Debug)]
+pub struct Store {
+    folder: PathBuf,
+    limit: u64,
+}
+
+/// An entry as the folder lists it.
+struct Listed {
+    path: PathBuf,
+    kind: String,
+    bytes: u64,
+    used: SystemTime,
+}
+
+impl Store {
+    /// The results in `folder`, which may grow to `limit` bytes; the folder is made when the first is kept.
+    pub fn new(folder: &Path, limit: u64) -> Self {
+        Self { folder: folder.join(LAYOUT), limit }
+    }
+
+    /// The entry of this kind under `key`.
+    pub fn get(&self, kind: &str, key: Key) -> Lookup {
+        let path = self.path(kind, key);
+        let Ok(mut bytes) = std::fs::read(&path) else { return Lookup::Miss };
+        let start = MAGIC.len() + blake3::OUT_LEN;
+        let whole = bytes.strip_prefix(MAGIC).and_then(|rest| rest.split_at_checked(blake3::OUT_LEN));
+        if whole.is_some_and(|(hash, contents)| blake3::hash(contents).as_bytes() == hash) {
+            // What is used stays longest; where the time cannot be set, it goes sooner.
+            let _ = std::fs::File::options().append(true).open(&path).and_then(|f| f.set_modified(SystemTime::now()));
+            bytes.drain(..start);
+            return Lookup::Hit(bytes);
+        }
+        let _ = std::fs::remove_file(&path);
+        Lookup::Corrupt
+    }
+
+    /// Whether there is an entry; its contents are not checked.
+    pub fn contains(&self, kind: &str, key: Key) -> bool {
+        self.path(kind, key).is_file()
+    }
+
+    /// Stores `contents`.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Io`] if the folder cannot be written.
+    pub fn put(&self, kind: &str, key: Key, contents: &[u8]) -> Result<()> {
+        let path = self.path(kind, key);
+        let write = || -> io::Result<()> {
+            let folder = path.parent().unwrap_or(&self.folder);
+            std::fs::create_dir_all(folder)?;
+            let mut temporary = tempfile::Builder::new().prefix(".aside-").tempfile_in(folder)?;
+            temporary.write_all(MAGIC)?;
+            temporary.write_all(blake3::hash(contents).as_bytes())?;
+            temporary.write_all(contents)?;
+            temporary.persist(&path).map(drop).map_err(|error| error.error)
+        };
+        write().map_err(|error| Error::write(&path, error))
+    }
+
+    /// Removes what has not been used for longest until the rest is well within the limit, if it is beyond; returns what was
+    /// removed.
+    pub fn clean_up(&self) -> CacheUsage {
+        let mut all = self.list();
+        let mut bytes: u64 = all.iter().map(|entry| entry.bytes).sum();
+        let mut removed = CacheUsage::default();
+        if bytes <= self.limit {
+            return removed;
+        }
+        all.sort_by(|a, b| a.used.cmp(&b.used).then_with(|| a.path.cmp(&b.path)));
+        let goal = (self.limit as f64 * AFTER_CLEANUP) as u64;
+        for entry in all {
+            if bytes <= goal {
+                break;
+            }
+            if std::fs::remove_file(&entry.path).is_ok() {
+                bytes -= entry.bytes;
+                removed.entries += 1;
+                removed.bytes += entry.bytes;
+            }
+        }
+        removed
+    }
+
+    /// Removes every entry; nothing else that may lie in the folder.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Io`] about the first that cannot be removed.
+    pub fn clear(&self) -> Result<CacheUsage> {
+        let mut removed = CacheUsage::default();
+        for entry in self.list() {
+            match std::fs::remove_file(&entry.path) {
+                Ok(()) => {
+                    removed.entries += 1;
+                    removed.bytes += entry.bytes;
+                }
+                Err(error) if error.kind() == io::ErrorKind::NotFound => {}
+                Err(error) => return Err(Error::write(&entry.path, error)),
+            }
+        }
+        Ok(removed)
+    }
+
+    /// The size of each kind of entries.
+    pub fn usage(&self) -> std::collections::BTreeMap<String, CacheUsage> {
+        let mut usage = std::collections::BTreeMap::<String, CacheUsage>::new();
+        for entry in self.list() {
+            let of_kind = usage.entry(entry.kind).or_default();
+            of_kind.entries += 1;
+            of_kind.bytes += entry.bytes;
+        }
+        usage
+    }
+
+    /// The folder.
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    fn path(&self, kind: &str, key: Key) -> PathBuf {
+        let name = key.0.to_hex();
+        self.folder.join(kind).join(&name[..2]).join(name.as_str())
+    }
+
+    /// All entries; old temporary files are removed on the way.
+    fn list(&self) -> Vec<Listed> {
+        let children = |folder: &Path| {
+            let entries = std::fs::read_dir(folder).into_iter().flatten().filter_map(io::Result::ok);
+            let mut paths: Vec<PathBuf> = entries.map(|entry| entry.path()).collect();
+            paths.sort();
+            paths
+        };
+        let mut listed = Vec::new();
+        for kind in children(&self.folder) {
+            for path in children(&kind).iter().flat_map(|folder| children(folder)) {
+                let Ok(metadata) = path.symlink_metadata() else { continue };
+                let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+                let used = metadata.modified().unwrap_or(SystemTime::UNIX_EPOCH);
+                if name.len() == 64 && name.bytes().all(|c| c.is_ascii_hexdigit()) && metadata.is_file() {
+                    let kind = kind.file_name().unwrap_or_default().to_string_lossy().into_owned();
+                    listed.push(Listed { path, kind, bytes: metadata.len(), used });
+                } else if name.starts_with(".aside-") && used.elapsed().is_ok_and(|age| age > STALE) {
+                    let _ = std::fs::remove_file(&path);
+                }
+            }
+        }
+        listed
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn key(text: &str) -> Key {
+        Key(blake3::hash(text.as_bytes()))
+    }
+
+    #[test]
+    fn what_is_kept_comes_back_and_what_is_changed_does_not() {
+        let folder = tempfile::tempdir().unwrap();
+        let store = Store::new(folder.path(), 1 << 20);
+        assert_eq!(store.get("pose", key("a")), Lookup::Miss);
+        store.put("pose", key("a"), b"contents").unwrap();
+        assert_eq!(store.get("pose", key("a")), Lookup::Hit(b"contents".into()));
+        assert_eq!(store.get("map", key("a")), Lookup::Miss, "another kind is another entry");
+
+        let path = store.path("pose", key("a"));
+        let whole = std::fs::read(&path).unwrap();
+        // Every byte counts, and every length.
+        for i in 0..whole.len() {
+            let mut changed = whole.clone();
+            changed[i] ^= 0x10;
+            for damaged in [&changed[..], &whole[..i]] {
+                std::fs::write(&path, damaged).unwrap();
+                assert_eq!(store.get("pose", key("a")), Lookup::Corrupt, "byte {i}");
+                assert!(!path.exists(), "a damaged entry is removed");
+            }
+        }
+    }
+
+    #[test]
+    fn the_longest_unused_go_first() {
+        let folder = tempfile::tempdir().unwrap();
+        let store = Store::new(folder.path(), 1000);
+        for (i, name) in ["old", "older", "new"].into_iter().enumerate() {
+            store.put("pose", key(name), &[0; 400]).unwrap();
+            let age = Duration::from_secs([200, 300, 100][i]);
+            let file = std::fs::File::options().append(true).open(store.path("pose", key(name))).unwrap();
+            file.set_modified(SystemTime::now() - age).unwrap();
+        }
+        // Looked at, it counts as used.
+        assert!(matches!(store.get("pose", key("older")), Lookup::Hit(_)));
+        assert_eq!(store.clean_up().entries, 1);
+        assert_eq!(store.get("pose", key("old")), Lookup::Miss);
+        assert!(matches!(store.get("pose", key("older")), Lookup::Hit(_)));
+        assert_eq!(store.clean_up(), CacheUsage::default(), "within the limit nothing goes");
+    }
+
+    #[test]
+    fn clearing_removes_entries_and_nothing_else() {
+        let folder = tempfile::tempdir().unwrap();
+        let store = Store::new(folder.path(), 1 << 20);
+        store.put("pose", key("a"), b"1").unwrap();
+        store.put("map", key("b"), b"22").unwrap();
+        let own = folder.path().join("v1/pose/letter.txt");
+        std::fs::write(&own, "mine").unwrap();
+        assert_eq!(store.usage().len(), 2);
+        assert_eq!(store.clear().unwrap().entries, 2);
+        assert!(store.usage().is_empty() && own.exists());
+    }
+
+    #[test]
+    fn many_writers_of_one_entry_leave_it_whole() {
+        let folder = tempfile::tempdir().unwrap();
+        let store = Store::new(folder.path(), 1 << 30);
+        let contents = vec![7; 100_000];
+        std::thread::scope(|scope| {
+            for _ in 0..8 {
+                scope.spawn(|| {
+                    for _ in 0..20 {
+                        store.put("pose", key("a"), &contents).unwrap();
+                        assert_eq!(store.get("pose", key("a")), Lookup::Hit(contents.clone()));
+                    }
+                });
+            }
+        });
+        assert_eq!(store.usage()["pose"].entries, 1);
+    }
+}

@@ -1,0 +1,96 @@
+//! What a check collects on its way, and what it looks things up in.
+
+use std::path::{Path, PathBuf};
+
+use mimesh_core::Error;
+use mimesh_document::{At, Diagnostic, Diagnostics, Document, Kind, Step, paths};
+use serde_json::Value;
+
+use crate::{formats::Formats, input::InputFile};
+
+/// What a check has found so far.
+#[derive(Debug, Default)]
+pub(super) struct Findings {
+    /// What is wrong.
+    pub diagnostics: Diagnostics,
+    /// Sentences about what looks wrong or was left out.
+    pub warnings: Vec<String>,
+    /// The files that a run reads.
+    pub inputs: Vec<InputFile>,
+}
+
+/// The document that is checked, and the formats that it configures.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Scope<'a> {
+    /// The document.
+    pub document: &'a Document,
+    /// The formats.
+    pub formats: &'a Formats,
+    /// The paths of values that have diagnostics of their own.
+    pub rejected: &'a [Vec<Step>],
+}
+
+impl Scope<'_> {
+    /// The path at `at`, as seen from the current folder: it is relative to the folder of the file that names it.
+    pub fn path(&self, at: &[Step], path: &Path) -> PathBuf {
+        paths::from_base(self.document.folder(at), path)
+    }
+
+    /// Whether `error` is about a setting of the stage at `at` that has a diagnostic already.
+    pub fn is_reported(&self, error: &Error, at: &[Step]) -> bool {
+        matches!(error, Error::Setting { .. }) && self.rejected.iter().any(|rejected| rejected.starts_with(at))
+    }
+}
+
+impl Findings {
+    /// Adds a diagnostic at `path`.
+    pub fn wrong(
+        &mut self,
+        scope: Scope<'_>,
+        path: &[Step],
+        at: At,
+        message: impl Into<String>,
+        hint: impl Into<String>,
+    ) {
+        self.diagnostics.push(scope.document.diagnostic(path, at, message).hint(hint));
+    }
+
+    /// Adds a diagnostic about a file that is missing, named at `path`.
+    pub fn missing(&mut self, scope: Scope<'_>, path: &[Step], message: impl Into<String>, hint: impl Into<String>) {
+        let diagnostic = scope.document.diagnostic(path, At::Value, message).hint(hint);
+        self.diagnostics.push(Diagnostic { kind: Kind::MissingInput, ..diagnostic });
+    }
+
+    /// Notes that `path` is read; `false`, and a diagnostic at `at`, if there is no such file.
+    pub fn input(&mut self, scope: Scope<'_>, role: &'static str, path: &Path, at: &[Step]) -> bool {
+        if path.is_file() {
+            self.inputs.push(InputFile { role, path: path.into() });
+            return true;
+        }
+        if path.is_dir() {
+            let hint = "name a file in it; `*.obj` in quotes stands for all of a kind";
+            self.missing(scope, at, format!("{} is a folder, expected a file", path.display()), hint);
+        } else {
+            let hint = paths::similar_file(path)
+                .unwrap_or_else(|| "paths are relative to the folder of the pipeline's file".into());
+            self.missing(scope, at, format!("no such file: {}", path.display()), hint);
+        }
+        false
+    }
+
+    /// Reports empty strings where a path belongs: the value at `path`, or items of the sequence there.
+    pub fn check_empty(&mut self, scope: Scope<'_>, path: &[Step]) {
+        let Some(value) = scope.document.get(path) else { return };
+        let empty: Vec<Vec<Step>> = match value {
+            Value::String(text) if text.is_empty() => vec![path.to_vec()],
+            Value::Array(list) => {
+                let items = list.iter().enumerate().filter(|(_, item)| item.as_str() == Some(""));
+                items.map(|(i, _)| [path, &[Step::Index(i)]].concat()).collect()
+            }
+            _ => vec![],
+        };
+        for path in empty {
+            self.wrong(scope, &path, At::Value, "expected a path, found an empty string", "name a file, or remove it");
+        }
+    }
+}

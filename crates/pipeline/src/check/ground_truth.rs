@@ -1,0 +1,101 @@
+//! Checking the known results.
+
+use std::path::{Path, PathBuf};
+
+use mimesh_document::{At, path};
+
+use super::{
+    findings::{Findings, Scope},
+    rest_meshes::in_file,
+};
+use crate::{
+    input::{GroundTruth, PoseInput, RestMesh},
+    placeholder::{POSE, placeholders, with_pose},
+};
+
+/// The known results that `truth: pattern` names, or that a generated target brings.
+pub(super) fn ground_truth(
+    scope: Scope<'_>,
+    found: &mut Findings,
+    pattern: Option<&Path>,
+    target: Option<&RestMesh>,
+    poses: &[PoseInput],
+) -> GroundTruth {
+    let Some(pattern) = pattern else {
+        return match target {
+            Some(target) if target.path.is_none() => GroundTruth::held(&target.sequence.poses),
+            _ => GroundTruth::None,
+        };
+    };
+    let at = path(["truth"]);
+    let text = pattern.to_string_lossy();
+    if let Some(other) = placeholders(&text).into_iter().find(|name| *name != "pose") {
+        let message = format!("unknown placeholder `{{{other}}}`");
+        found.wrong(scope, &at, At::Value, message, "`{pose}` stands for the pose's name");
+        return GroundTruth::None;
+    }
+    if let Err(unknown) = scope.formats.reader(pattern) {
+        found.wrong(scope, &at, At::Value, unknown.message, unknown.hint);
+        return GroundTruth::None;
+    }
+    if text.contains(POSE) {
+        truth_files(scope, found, &text, poses)
+    } else {
+        truth_file(scope, found, &scope.path(&at, pattern), target, poses)
+    }
+}
+
+/// A file a pose.
+fn truth_files(scope: Scope<'_>, found: &mut Findings, pattern: &str, poses: &[PoseInput]) -> GroundTruth {
+    let at = path(["truth"]);
+    let files: Vec<PathBuf> =
+        poses.iter().map(|pose| scope.path(&at, Path::new(&with_pose(pattern, &pose.name)))).collect();
+    let missing: Vec<_> = files.iter().filter(|file| !file.is_file()).collect();
+    if let Some(first) = missing.first() {
+        let others = if missing.len() > 1 { format!(" (and {} more)", missing.len() - 1) } else { String::new() };
+        let hint =
+            "there must be a known result for every pose; `{pose}` stands for what the wildcards of `poses` match";
+        found.missing(scope, &at, format!("no such file: {}{others}", first.display()), hint);
+        return GroundTruth::None;
+    }
+    for file in &files {
+        found.input(scope, "truth", file, &at);
+    }
+    GroundTruth::Files(files)
+}
+
+/// One file for all poses.
+fn truth_file(
+    scope: Scope<'_>,
+    found: &mut Findings,
+    file: &Path,
+    target: Option<&RestMesh>,
+    poses: &[PoseInput],
+) -> GroundTruth {
+    let at = path(["truth"]);
+    if !found.input(scope, "truth", file, &at) {
+        return GroundTruth::None;
+    }
+    let Ok(format) = scope.formats.reader(file) else { return GroundTruth::None };
+    let sequence = match format.read(file) {
+        Ok(sequence) => sequence,
+        Err(error) => {
+            found.diagnostics.push(in_file(file, error));
+            return GroundTruth::None;
+        }
+    };
+    if let Some(target) = target {
+        let (expected, count) = (target.sequence.rest.positions.len(), sequence.rest.positions.len());
+        if expected != count {
+            let message = format!("{} has {count} vertices, the target {expected}", file.display());
+            found.wrong(scope, &at, At::Value, message, "the truth is the target itself in its known poses");
+            return GroundTruth::None;
+        }
+    }
+    if let Some(missing) = poses.iter().find(|pose| sequence.poses.iter().all(|held| held.name != pose.name)) {
+        let message = format!("{} holds no pose called `{}`", file.display(), missing.name);
+        let hint = "for a file a pose, put `{pose}` into the name: `truth: truth-{pose}.obj`";
+        found.missing(scope, &at, message, hint);
+    }
+    GroundTruth::held(&sequence.poses)
+}

@@ -1,0 +1,87 @@
+//! Checking markers.
+
+use std::path::Path;
+
+use mimesh_core::stage::Marker;
+use mimesh_document::{Step, path};
+use mimesh_markers::{MarkerFile, MarkerFiles, MarkerMesh, MeshRole, PointSource, from_landmarks};
+
+use super::findings::{Findings, Scope};
+use crate::input::{FileHashes, RestMesh};
+
+impl RestMesh {
+    /// The mesh as far as markers need it.
+    pub fn for_markers(&self, role: MeshRole) -> MarkerMesh<'_> {
+        MarkerMesh { role, mesh: &self.sequence.rest, surface: &self.surface }
+    }
+}
+
+/// The markers between two meshes, as far as they can be had; a pipeline without files has those of equal landmarks.
+pub(super) fn markers(
+    scope: Scope<'_>,
+    found: &mut Findings,
+    files: Option<&MarkerFiles>,
+    source: Option<&RestMesh>,
+    target: Option<&RestMesh>,
+    hashes: &FileHashes,
+) -> Option<Vec<Marker>> {
+    let Some(files) = files else {
+        let (source, target) = (source?, target?);
+        let landmarks = from_landmarks(&source.sequence, &target.sequence);
+        return resolve(found, &landmarks, source, target);
+    };
+    let files = marker_files(scope, files);
+    let before = found.diagnostics.len();
+    for (key, file) in files.named() {
+        let at: Vec<Step> = path(["markers"]).into_iter().chain(key.map(|key| Step::Key(key.into()))).collect();
+        let role = match key {
+            Some("source") => "source markers",
+            Some(_) => "target markers",
+            None => "markers",
+        };
+        found.input(scope, role, file, &at);
+    }
+    if found.diagnostics.len() > before {
+        return None;
+    }
+    let read = PointSource::read(&files).map_err(|failure| found.diagnostics.extend(failure)).ok()?;
+    let (source, target) = (source?, target?);
+    let attached = read.attach([source.for_markers(MeshRole::Source), target.for_markers(MeshRole::Target)], false);
+    let attached = attached.map_err(|failure| found.diagnostics.extend(failure)).ok()?;
+    found.warnings.extend(attached.warnings);
+    if let Some(file) = files.one() {
+        warn_of_changes(found, &attached.markers, file, [source, target], hashes);
+    }
+    resolve(found, &attached.markers, source, target)
+}
+
+/// The files as seen from the current folder.
+pub(super) fn marker_files(scope: Scope<'_>, files: &MarkerFiles) -> MarkerFiles {
+    match files {
+        MarkerFiles::One(file) => MarkerFiles::One(scope.path(&path(["markers"]), file)),
+        MarkerFiles::Pair { source, target } => MarkerFiles::Pair {
+            source: scope.path(&path(["markers", "source"]), source),
+            target: scope.path(&path(["markers", "target"]), target),
+        },
+    }
+}
+
+/// Warns of meshes that have changed since the markers in `file` were made.
+fn warn_of_changes(
+    found: &mut Findings,
+    markers: &MarkerFile,
+    file: &Path,
+    meshes: [&RestMesh; 2],
+    hashes: &FileHashes,
+) {
+    for (role, mesh) in MeshRole::BOTH.into_iter().zip(meshes) {
+        let is_hashed = markers.reference(role).is_some_and(|reference| reference.blake3.is_some());
+        let hash = mesh.path.as_ref().filter(|_| is_hashed).and_then(|path| hashes.hash(path));
+        found.warnings.extend(markers.stale_warning(file, mesh.for_markers(role), hash.as_deref()));
+    }
+}
+
+fn resolve(found: &mut Findings, markers: &MarkerFile, source: &RestMesh, target: &RestMesh) -> Option<Vec<Marker>> {
+    let resolved = markers.resolve([source.for_markers(MeshRole::Source), target.for_markers(MeshRole::Target)]);
+    resolved.map_err(|failure| found.diagnostics.extend(failure)).ok()
+}

@@ -1,0 +1,21 @@
+//! Everything that can be found wrong with a pipeline before computing, all at once; what remains is ready to run.
+
+mod common;
+mod findings;
+mod ground_truth;
+mod markers;
+mod metrics;
+mod outputs;
+mod parts;
+mod poses;
+mod rest_meshes;
+mod run_diagnostics;
+mod runs;
+mod shared;
+mod stages;
+mod writable;
+
+pub use common::Options;
+pub use parts::{prepare_meshes, prepare_source};
+pub use rest_meshes::in_file;
+pub use runs::{prepare, prepare_all};

@@ -1,0 +1,146 @@
+//! Checking the files that a run is to write.
+
+use std::path::{Path, PathBuf};
+
+use mimesh_document::{At, Step, path, paths};
+
+use super::{
+    findings::{Findings, Scope},
+    writable::{Destination, WritableFiles},
+};
+use crate::{
+    formats::Writes,
+    input::{Output, Outputs, PoseInput},
+    placeholder::{POSE, placeholders, with_pose},
+    spec::Pipeline,
+};
+
+/// The files that a run writes, as far as they can be known; `out` takes all results if it is given.
+pub(super) fn outputs(
+    scope: Scope<'_>,
+    found: &mut Findings,
+    pipeline: &Pipeline,
+    poses: &[PoseInput],
+    out: Option<&Destination<'_>>,
+) -> Outputs {
+    let slot = path(["output"]);
+    let mut files = WritableFiles::new(&found.inputs, out);
+    found.check_empty(scope, &slot);
+    if pipeline.output.listed && pipeline.output.items.is_empty() {
+        let message = "the sequence of outputs is empty";
+        found.wrong(scope, &slot, At::Value, message, "e.g. `output: out/{pose}.obj`");
+    }
+    let mut outputs = Outputs::default();
+    let before = found.diagnostics.len();
+    // An item that is no string has a diagnostic of its own, and an empty one stands in its place.
+    for (i, item) in pipeline.output.items.iter().enumerate().filter(|(_, item)| !item.is_empty()) {
+        let at = if pipeline.output.listed { [&slot[..], &[Step::Index(i)]].concat() } else { slot.clone() };
+        let pattern = destination(scope, out, &at, Path::new(item));
+        if outputs.report.as_os_str().is_empty() {
+            outputs.report = pattern.parent().unwrap_or(Path::new("")).join("run.json");
+        }
+        if let Some(visual) = VisualOutput::of(&pattern) {
+            if has_no_placeholder(scope, found, &pattern, &at) && files.add(scope, found, &pattern, &at) {
+                match visual {
+                    VisualOutput::Page => outputs.pages.push(pattern),
+                    VisualOutput::Sheet => outputs.sheets.push(pattern),
+                }
+            }
+        } else if let Some(output) = output(scope, found, &pattern, poses, &at) {
+            // The first file that cannot be written stands for all of a pattern.
+            let _ = output.files().iter().all(|file| files.add(scope, found, file, &at));
+            outputs.meshes.push(output);
+        }
+    }
+    let fine = found.diagnostics.len() == before;
+    if let Some(file) = pipeline.keep_correspondence.as_deref() {
+        let at = path(["keep_correspondence"]);
+        let file = destination(scope, out, &at, file);
+        if pipeline.transfer.is_some() && scope.document.value.get("correspondence").is_none() {
+            let hint = "add e.g. `correspondence: { type: nonrigid_fit }`, or remove `keep_correspondence`";
+            found.wrong(scope, &at, At::Key, "`keep_correspondence` without `correspondence`", hint);
+        }
+        if file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json")) {
+            files.add(scope, found, &file, &at);
+        } else {
+            let hint = "e.g. `keep_correspondence: pairs.json`";
+            found.wrong(scope, &at, At::Value, "a correspondence is written as .json", hint);
+        }
+        outputs.correspondence = Some(file);
+    }
+    // The report lies beside the first result; what is wrong with that is wrong with the report too.
+    if fine && !outputs.report.as_os_str().is_empty() {
+        files.add(scope, found, &outputs.report, &slot);
+    }
+    outputs
+}
+
+/// The file that `path`, written at `at`, stands for.
+fn destination(scope: Scope<'_>, out: Option<&Destination<'_>>, at: &[Step], path: &Path) -> PathBuf {
+    match (out, path.file_name()) {
+        (Some(out), Some(name)) => paths::tidy(&out.folder.join(name)),
+        _ => scope.path(at, path),
+    }
+}
+
+/// An output that shows all poses to people.
+#[derive(Clone, Copy, Debug)]
+enum VisualOutput {
+    Page,
+    Sheet,
+}
+
+impl VisualOutput {
+    fn of(path: &Path) -> Option<Self> {
+        match path.extension()?.to_string_lossy().to_lowercase().as_str() {
+            "html" | "htm" => Some(Self::Page),
+            "png" => Some(Self::Sheet),
+            _ => None,
+        }
+    }
+}
+
+/// Whether `pattern` can name a page or a sheet; a diagnostic if not.
+fn has_no_placeholder(scope: Scope<'_>, found: &mut Findings, pattern: &Path, at: &[Step]) -> bool {
+    let text = pattern.to_string_lossy();
+    let Some(name) = placeholders(&text).first().copied() else { return true };
+    let message = format!("{} shows all poses, so its name cannot have `{{{name}}}`", pattern.display());
+    found.wrong(scope, at, At::Value, message, format!("remove `{{{name}}}`"));
+    false
+}
+
+/// The results that `pattern` stands for.
+fn output(scope: Scope<'_>, found: &mut Findings, pattern: &Path, poses: &[PoseInput], at: &[Step]) -> Option<Output> {
+    let text = pattern.to_string_lossy();
+    let name = pattern.file_name().unwrap_or_default().to_string_lossy();
+    if let Some(other) = placeholders(&name).into_iter().find(|name| *name != "pose") {
+        let message = format!("unknown placeholder `{{{other}}}`");
+        found.wrong(scope, at, At::Value, message, "`{pose}` stands for the pose's name");
+        return None;
+    }
+    let writes = match scope.formats.writer(pattern) {
+        Ok((_, writes)) => writes,
+        Err(unknown) => {
+            found.wrong(scope, at, At::Value, unknown.message, unknown.hint);
+            return None;
+        }
+    };
+    let extension = pattern.extension().unwrap_or_default().to_string_lossy();
+    match (writes, text.contains(POSE)) {
+        (Writes::Pose, true) => {
+            Some(Output::Poses(poses.iter().map(|pose| PathBuf::from(with_pose(&text, &pose.name))).collect()))
+        }
+        (Writes::Sequence, false) => Some(Output::Sequence(pattern.into())),
+        (Writes::Pose, false) => {
+            let stem = paths::stem(pattern);
+            let message = format!("a .{extension} file holds one pose, so its name needs `{{pose}}`");
+            found.wrong(scope, at, At::Value, message, format!("e.g. `{stem}-{{pose}}.{extension}`"));
+            None
+        }
+        (Writes::Sequence, true) => {
+            let message = format!("a .{extension} file holds all poses, so its name cannot have `{{pose}}`");
+            found.wrong(scope, at, At::Value, message, "remove `{pose}`");
+            None
+        }
+    }
+}

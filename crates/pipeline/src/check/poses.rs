@@ -1,0 +1,160 @@
+//! The poses of the source: globs, names, and poses that the rest file holds.
+
+use std::{
+    collections::HashSet,
+    path::{Path, PathBuf},
+};
+
+use mimesh_document::{
+    At, Step, path,
+    paths::{identity, stem},
+};
+
+use super::{
+    findings::{Findings, Scope},
+    rest_meshes::rest_mesh,
+};
+use crate::{
+    globs::{expand, is_glob, nearby},
+    input::{PoseFrom, PoseInput, RestMesh},
+    one_or_many::OneOrMany,
+    spec::Source,
+};
+
+/// The source and its poses, as far as they can be had.
+pub(super) fn source(scope: Scope<'_>, found: &mut Findings, source: &Source) -> (Option<RestMesh>, Vec<PoseInput>) {
+    if source.generator.is_some() && source.poses.is_some() {
+        let hint = "a generator brings its own poses; remove `poses`";
+        found.wrong(scope, &path(["source", "poses"]), At::Key, "`poses` beside `generator`", hint);
+    }
+    let mesh = rest_mesh(scope, found, "source", source.rest.as_deref(), source.generator.as_deref());
+    let poses = match (&source.poses, &mesh) {
+        (Some(patterns), _) => pose_files(scope, found, patterns, source.rest.as_deref()),
+        (None, Some(mesh)) => held_poses(scope, found, mesh),
+        (None, None) => vec![],
+    };
+    (mesh, with_unique_names(scope, found, poses))
+}
+
+/// The poses that come with the rest mesh.
+fn held_poses(scope: Scope<'_>, found: &mut Findings, mesh: &RestMesh) -> Vec<PoseInput> {
+    let poses: Vec<_> = mesh
+        .sequence
+        .poses
+        .iter()
+        .enumerate()
+        .map(|(i, pose)| PoseInput { name: pose.name.clone(), from: PoseFrom::Held(i) })
+        .collect();
+    // A wrong `poses` has a diagnostic of its own.
+    let declared = scope.document.value.get("source").and_then(|source| source.get("poses"));
+    if poses.is_empty() && declared.is_none_or(serde_json::Value::is_null) {
+        let reason = if mesh.path.is_some() { "the rest file holds none" } else { "the generator makes none" };
+        let hint = "name their files, e.g. `poses: horse-??.obj`";
+        found.missing(scope, &path(["source"]), format!("the source has no poses: {reason}"), hint);
+    }
+    poses
+}
+
+/// The poses in the files that `patterns` stand for, without the rest mesh.
+fn pose_files(scope: Scope<'_>, found: &mut Findings, patterns: &OneOrMany, rest: Option<&Path>) -> Vec<PoseInput> {
+    let slot = path(["source", "poses"]);
+    let rest = rest.map(|rest| identity(&scope.path(&path(["source", "rest"]), rest)));
+    if patterns.items.is_empty() {
+        found.wrong(scope, &slot, At::Value, "the sequence of poses is empty", "name at least one file");
+    }
+    found.check_empty(scope, &slot);
+    let mut poses = Vec::new();
+    let mut seen = HashSet::new();
+    // An item that is no string has a diagnostic of its own, and an empty one stands in its place.
+    for (i, pattern) in patterns.items.iter().enumerate().filter(|(_, pattern)| !pattern.is_empty()) {
+        let at = if patterns.listed { [&slot[..], &[Step::Index(i)]].concat() } else { slot.clone() };
+        for pose in matching(scope, found, pattern, &at, rest.as_ref()) {
+            if seen.insert(identity(&pose.path)) {
+                poses.push(PoseInput { name: pose.name, from: PoseFrom::File(pose.path) });
+            }
+        }
+    }
+    poses
+}
+
+/// The readable files of poses that `pattern`, written at `at`, stands for.
+fn matching(
+    scope: Scope<'_>,
+    found: &mut Findings,
+    pattern: &str,
+    at: &[Step],
+    rest: Option<&PathBuf>,
+) -> Vec<crate::globs::GlobMatch> {
+    let files = match expand(scope.document.folder(at), pattern) {
+        Ok(files) => files,
+        Err(problem) => {
+            let message = format!("`{pattern}` is no glob: {problem}");
+            found.wrong(scope, at, At::Value, message, "e.g. `horse-??.obj`");
+            return vec![];
+        }
+    };
+    let is_rest = |file: &Path| rest.is_some_and(|rest| *rest == identity(file));
+    let hint = || nearby(&scope.path(at, Path::new(pattern)));
+    if files.is_empty() {
+        found.missing(scope, at, format!("no file matches `{pattern}`"), hint());
+    } else if is_glob(pattern) && files.iter().all(|file| is_rest(&file.path)) {
+        let message = format!("`{pattern}` matches the rest mesh only, which is no pose");
+        found.missing(scope, at, message, hint());
+        return vec![];
+    }
+    let mut readable = Vec::new();
+    for file in files {
+        if is_glob(pattern) && is_rest(&file.path) {
+            found.warnings.push(format!("`{pattern}` also matches the rest mesh, which is not taken as a pose"));
+        } else if is_readable(scope, found, &file.path, at) {
+            readable.push(file);
+        }
+    }
+    readable
+}
+
+fn is_readable(scope: Scope<'_>, found: &mut Findings, file: &Path, at: &[Step]) -> bool {
+    if !found.input(scope, "pose", file, at) {
+        return false;
+    }
+    match scope.formats.reader(file) {
+        Ok(_) => true,
+        Err(unknown) => {
+            found.wrong(scope, at, At::Value, unknown.message, unknown.hint);
+            false
+        }
+    }
+}
+
+/// The poses under unique names: where wildcards stand for the same, poses are called like their files.
+fn with_unique_names(scope: Scope<'_>, found: &mut Findings, mut poses: Vec<PoseInput>) -> Vec<PoseInput> {
+    if duplicate_name(&poses).is_some() {
+        for pose in &mut poses {
+            if let PoseFrom::File(file) = &pose.from {
+                pose.name = stem(file);
+            }
+        }
+    }
+    if let Some(name) = duplicate_name(&poses) {
+        let of_name = poses.iter().filter(|pose| pose.name == name);
+        let files: Vec<_> = of_name
+            .filter_map(|pose| match &pose.from {
+                PoseFrom::File(file) => Some(file.display().to_string()),
+                PoseFrom::Held(_) => None,
+            })
+            .collect();
+        let message = format!("two poses are called `{name}`: {}", files.join(", "));
+        let hint = "rename one, or use a wildcard where the paths differ: a pose is called what wildcards stand for";
+        found.wrong(scope, &path(["source", "poses"]), At::Value, message.trim_end_matches(": "), hint);
+        // That their results collide follows, and needs no diagnostic.
+        let mut seen = HashSet::new();
+        poses.retain(|pose| seen.insert(pose.name.clone()));
+    }
+    poses
+}
+
+fn duplicate_name(poses: &[PoseInput]) -> Option<String> {
+    let mut names: Vec<_> = poses.iter().map(|pose| &pose.name).collect();
+    names.sort();
+    names.windows(2).find(|pair| pair[0] == pair[1]).map(|pair| pair[0].clone())
+}

@@ -1,0 +1,212 @@
+//! Checking all runs that a file declares.
+
+use std::{
+    path::{Path, PathBuf},
+    sync::Arc,
+};
+
+use mimesh_core::{
+    Figures,
+    stage::{Marker, Proximity, ProximityGraph},
+};
+use mimesh_document::{
+    Diagnostic, Kind, Location,
+    diagnostic::{Result, SET_VALUE},
+};
+
+use super::{
+    common::{Options, check_formats, check_registry, pipeline_files, refused_without_reason},
+    findings::{Findings, Scope},
+    ground_truth::ground_truth,
+    markers::markers,
+    metrics::{check_bound, gates, metrics},
+    outputs::outputs,
+    rest_meshes::check_inside_out,
+    run_diagnostics::RunDiagnostics,
+    shared::SharedMeshes,
+    stages::{check_files, check_marker_count, check_stages, refused},
+    writable::{Destination, conflict, name_reports},
+};
+use crate::{
+    cache::{Cache, proximity_key},
+    compose::{self, Run, Runs, Variant},
+    formats::Formats,
+    input::{FileHashes, Prepared, ProximityInput, RestMesh},
+    parse::{Parsed, Required, parse},
+    report::Clock,
+    schema::resolve_files,
+    spec::Pipeline,
+};
+
+/// Reads and checks the pipeline in `file`, which declares a single run; see [`prepare_all`].
+///
+/// # Errors
+///
+/// All that can be found wrong without computing or reading poses, and that there are several runs.
+pub fn prepare(file: &Path, options: &Options, cache: Option<&Cache>) -> Result<Prepared> {
+    let mut all = prepare_all(file, options, cache)?;
+    match (all.pop(), all.len()) {
+        (Some(one), 0) => Ok(one),
+        (_, others) => {
+            let message = format!("the pipeline declares {} runs, expected one", others + 1);
+            let diagnostic = Diagnostic::new(Kind::BadPipeline, message).at(Location::File(file.into()));
+            Err(diagnostic.remedy(SET_VALUE, "matrix=", "name one target, and vary nothing").into())
+        }
+    }
+}
+
+/// Reads and checks the pipeline in `file`, for every target and every combination of its matrix; at least one run.
+///
+/// The checks of stages look at the proximity graph of the target; it is taken from `cache` if it is there.
+///
+/// # Errors
+///
+/// All that can be found wrong with any run without computing or reading poses, each once.
+pub fn prepare_all(file: &Path, options: &Options, cache: Option<&Cache>) -> Result<Vec<Prepared>> {
+    let mut clock = Clock::start();
+    let Runs { runs, included, diagnostics, suppressed, warnings } = compose::compose(file, &options.settings)?;
+    let mut collected = RunDiagnostics::new(&runs, diagnostics, suppressed);
+    let (several, meshes) = (runs.len() > 1, SharedMeshes::default());
+    let mut shared = Shared { several, meshes, hashes: Arc::default(), cache };
+    let mut prepared = Vec::new();
+    for (i, run) in runs.into_iter().enumerate() {
+        match prepare_one(file, &included, run, options, &mut shared) {
+            Ok(one) => prepared.push(Prepared { reading: clock.stop("reading", "", Figures::default()), ..one }),
+            Err(diagnostics) => collected.add(i, diagnostics),
+        }
+        clock = Clock::start();
+    }
+    if collected.is_empty() {
+        name_reports(&mut prepared);
+        collected.add_whole(conflict(&prepared));
+    }
+    collected.finish(file)?;
+    // Warnings of the file as a whole are those of its first run.
+    if let Some(first) = prepared.first_mut() {
+        first.warnings.splice(0..0, warnings);
+    }
+    Ok(prepared)
+}
+
+/// What the runs of one file have in common.
+#[derive(Debug)]
+struct Shared<'a> {
+    /// Whether there are several runs.
+    several: bool,
+    meshes: SharedMeshes,
+    hashes: Arc<FileHashes>,
+    cache: Option<&'a Cache>,
+}
+
+/// Checks one run.
+fn prepare_one(
+    file: &Path,
+    included: &[PathBuf],
+    run: Run,
+    options: &Options,
+    shared: &mut Shared<'_>,
+) -> Result<Prepared> {
+    let clock = Clock::start();
+    let Run { variant, mut document } = run;
+    let files = resolve_files(&mut document);
+    let mut found = Findings { inputs: pipeline_files(file, included), ..Findings::default() };
+    let Parsed { mut pipeline, rejected } = parse(&document, Required::Run, &mut found.diagnostics);
+    let formats = Formats::new(std::mem::take(&mut pipeline.formats));
+    let scope = Scope { document: &document, formats: &formats, rejected: &rejected };
+    let found_mut = &mut found;
+    check_registry(found_mut);
+    check_formats(scope, found_mut);
+    let (source, poses) = shared.meshes.source(scope, found_mut, &pipeline.source);
+    let target = shared.meshes.target(scope, found_mut, &pipeline.target);
+    check_inside_out(found_mut, source.as_deref(), target.as_deref());
+    let files_of_markers = pipeline.markers.as_ref();
+    let markers = markers(scope, found_mut, files_of_markers, source.as_deref(), target.as_deref(), &shared.hashes);
+    let truth = ground_truth(scope, found_mut, pipeline.truth.as_deref(), target.as_deref(), &poses);
+    let metrics = metrics(scope, found_mut, pipeline.metrics.take(), &truth);
+    let gates = gates(scope, found_mut, &pipeline.gates, &metrics, &truth);
+    if let (Some(source), Some(target), Some(markers)) = (&source, &target, &markers) {
+        check_bound(scope, found_mut, &metrics, source, target, markers);
+    }
+    check_files(scope, found_mut, &files);
+    let meshes = source.as_deref().zip(target.as_deref());
+    let proximity = stages_and_proximity(scope, found_mut, &pipeline, meshes, markers.as_deref(), shared);
+    let out = options.out.as_deref().map(|given| destination(given, &variant, shared.several));
+    let outputs = outputs(scope, found_mut, &pipeline, &poses, out.as_ref());
+    found.diagnostics.into_result()?;
+    let (Some(source), Some(target), Some(markers)) = (source, target, markers) else {
+        return Err(refused_without_reason().into());
+    };
+    Ok(Prepared {
+        file: file.into(),
+        variant,
+        set: options.settings.clone(),
+        inputs: found.inputs,
+        warnings: found.warnings,
+        hashes: shared.hashes.clone(),
+        reading: clock.stop("reading", "", Figures::default()),
+        formats,
+        source,
+        target,
+        pipeline,
+        poses,
+        markers,
+        proximity,
+        truth,
+        metrics,
+        gates,
+        outputs,
+    })
+}
+
+/// Checks the stages, and computes the proximity graph that their checks need.
+fn stages_and_proximity(
+    scope: Scope<'_>,
+    found: &mut Findings,
+    pipeline: &Pipeline,
+    meshes: Option<(&RestMesh, &RestMesh)>,
+    markers: Option<&[Marker]>,
+    shared: &Shared<'_>,
+) -> Option<ProximityInput> {
+    let markers = markers?;
+    if !check_marker_count(scope, found, pipeline, markers) {
+        return None;
+    }
+    let (source, target) = meshes?;
+    let proximity = match &pipeline.proximity {
+        None => None,
+        Some(stage) => match proximity(stage.as_ref(), target, shared) {
+            Ok(proximity) => Some(proximity),
+            Err(error) => {
+                refused(scope, found, "proximity", stage.typetag_name(), error);
+                return None;
+            }
+        },
+    };
+    let graph = proximity.as_ref().map(|proximity| &proximity.graph);
+    check_stages(scope, found, pipeline, [source, target], markers, graph);
+    proximity
+}
+
+/// The proximity graph of `target`: the cached one, or that of `stage`.
+fn proximity(stage: &dyn Proximity, target: &RestMesh, shared: &Shared<'_>) -> mimesh_core::Result<ProximityInput> {
+    let clock = Clock::start();
+    let name = stage.typetag_name();
+    let cached = shared.cache.and_then(|cache| {
+        let key = proximity_key(stage, target, &shared.hashes, cache.program());
+        cache.get::<ProximityGraph>("proximity", key.key)
+    });
+    if let Some(graph) = cached {
+        let report = clock.stop("proximity", name, graph.figures.clone()).reused();
+        return Ok(ProximityInput { graph, report });
+    }
+    let graph = stage.proximity(&target.surface)?;
+    graph.check(&target.surface)?;
+    let report = clock.stop("proximity", name, graph.figures.clone());
+    Ok(ProximityInput { graph, report })
+}
+
+/// The folder of this run's results: one of its own in `given`, if there are several runs.
+fn destination<'a>(given: &'a Path, variant: &Variant, several: bool) -> Destination<'a> {
+    let folder = if several { given.join(&variant.name) } else { given.into() };
+    Destination { given, folder }
+}

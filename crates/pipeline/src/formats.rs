@@ -1,0 +1,102 @@
+//! Which format reads or writes a path.
+
+use std::path::Path;
+
+use mimesh_core::{
+    Error, plugin,
+    stage::{Format, MeshWriter},
+};
+use mimesh_document::diagnostic::{self, Diagnostic, Kind, Location};
+use mimesh_markers::IntoDiagnostic;
+
+/// The registered formats, with the settings that a pipeline gives some of them.
+#[derive(Debug)]
+pub struct Formats(Vec<Box<dyn Format>>);
+
+/// How a path is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Writes {
+    /// One file a pose.
+    Pose,
+    /// One file for rest and poses.
+    Sequence,
+}
+
+impl Formats {
+    /// Every registered format; those in `settings` replace the default of their type.
+    pub fn new(settings: Vec<Box<dyn Format>>) -> Self {
+        let mut formats: Vec<_> = plugin::instances::<dyn Format>().into_iter().map(|(_, format)| format).collect();
+        for format in settings {
+            match formats.iter_mut().find(|other| other.typetag_name() == format.typetag_name()) {
+                Some(other) => *other = format,
+                None => formats.push(format),
+            }
+        }
+        Self(formats)
+    }
+
+    /// All of them, with their settings.
+    pub fn all(&self) -> &[Box<dyn Format>] {
+        &self.0
+    }
+
+    /// The format of `path`.
+    ///
+    /// # Errors
+    ///
+    /// That there is none, with the extensions that are read.
+    pub fn reader(&self, path: &Path) -> Result<&dyn Format, Unknown> {
+        self.find(path, "read", |_| true)
+    }
+
+    /// The format of the file `path`.
+    ///
+    /// # Errors
+    ///
+    /// That there is no such file, or no format for it.
+    pub fn reader_of(&self, path: &Path) -> diagnostic::Result<&dyn Format> {
+        // Of a file that is not there its ending does not matter.
+        let metadata = std::fs::metadata(path).map_err(|error| Error::read(path, error).into_diagnostic())?;
+        if metadata.is_dir() {
+            return Err(Error::read(path, std::io::ErrorKind::IsADirectory.into()).into_diagnostic().into());
+        }
+        let told = |unknown: Unknown| Diagnostic::new(Kind::BadData, unknown.message).hint(unknown.hint);
+        Ok(self.reader(path).map_err(|unknown| told(unknown).at(Location::File(path.into())))?)
+    }
+
+    /// The format of `path`, which can write, and how.
+    ///
+    /// # Errors
+    ///
+    /// That there is none, with the extensions that are written.
+    pub fn writer(&self, path: &Path) -> Result<(&dyn Format, Writes), Unknown> {
+        let format = self.find(path, "write", |format| format.writer().is_some())?;
+        match format.writer() {
+            Some(MeshWriter::Sequence(_)) => Ok((format, Writes::Sequence)),
+            _ => Ok((format, Writes::Pose)),
+        }
+    }
+
+    fn find(&self, path: &Path, does: &str, can: impl Fn(&dyn Format) -> bool) -> Result<&dyn Format, Unknown> {
+        let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
+        let able = || self.0.iter().map(Box::as_ref).filter(|format| can(*format));
+        if let Some(format) = able().find(|f| extension.as_deref().is_some_and(|e| f.extensions().contains(&e))) {
+            return Ok(format);
+        }
+        let known: Vec<_> = able().flat_map(|format| format.extensions().iter().map(|e| format!(".{e}"))).collect();
+        let message = match extension {
+            Some(extension) => format!("no format can {does} .{extension} files"),
+            None => format!("the file name has no extension, so its format is not known to {does} it"),
+        };
+        Err(Unknown { message, hint: format!("formats that {does}: {}", known.join(", ")) })
+    }
+}
+
+/// That no format fits.
+#[derive(Debug)]
+pub struct Unknown {
+    /// What is wrong.
+    pub message: String,
+    /// What would do.
+    pub hint: String,
+}

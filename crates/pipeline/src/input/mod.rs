@@ -1,0 +1,15 @@
+//! What a run works on, once it is read and checked: rest meshes, poses, the ground truth, files.
+
+mod file_hashes;
+mod ground_truth;
+mod outputs;
+mod poses;
+mod prepared;
+mod rest_mesh;
+
+pub use file_hashes::{FileHashes, HashedFile};
+pub use ground_truth::GroundTruth;
+pub use outputs::{Output, Outputs};
+pub use poses::{PoseFrom, PoseInput, evenly_spaced, read_evenly_spaced, read_pose};
+pub use prepared::{InputFile, Meshes, Prepared, PreparedSource, ProximityInput};
+pub use rest_mesh::RestMesh;

@@ -1,0 +1,51 @@
+//! The files that a run writes.
+
+use std::path::{Path, PathBuf};
+
+/// The files that a run writes.
+#[derive(Clone, Debug, Default)]
+pub struct Outputs {
+    /// The results, in the order of the pipeline.
+    pub meshes: Vec<Output>,
+    /// The file that takes the correspondence, if it is to be written.
+    pub correspondence: Option<PathBuf>,
+    /// Pages that show the results.
+    pub pages: Vec<PathBuf>,
+    /// Sheets of pictures.
+    pub sheets: Vec<PathBuf>,
+    /// The report of the run, beside the first result.
+    pub report: PathBuf,
+}
+
+/// The results of one pattern.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Output {
+    /// A file a pose, in the order of poses.
+    Poses(Vec<PathBuf>),
+    /// One file for rest and poses.
+    Sequence(PathBuf),
+}
+
+impl Outputs {
+    /// Every file that the run writes.
+    pub fn files(&self) -> Vec<&Path> {
+        let meshes = self.meshes.iter().flat_map(Output::files);
+        let others = self.pages.iter().chain(&self.sheets).chain(&self.correspondence).chain([&self.report]);
+        meshes.chain(others).map(PathBuf::as_path).collect()
+    }
+
+    /// Whether the run draws pictures.
+    pub fn are_visual(&self) -> bool {
+        !self.pages.is_empty() || !self.sheets.is_empty()
+    }
+}
+
+impl Output {
+    /// The files.
+    pub fn files(&self) -> &[PathBuf] {
+        match self {
+            Self::Poses(files) => files,
+            Self::Sequence(file) => std::slice::from_ref(file),
+        }
+    }
+}

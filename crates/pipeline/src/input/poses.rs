@@ -1,0 +1,68 @@
+//! The poses of the source: where they are, and how they are read.
+
+use std::path::PathBuf;
+
+use mimesh_core::{Error, Result, mesh::check_finite};
+use nalgebra::Point3;
+use rayon::prelude::*;
+
+use super::RestMesh;
+use crate::formats::Formats;
+
+/// A pose of the source.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PoseInput {
+    /// The name, which `{pose}` stands for.
+    pub name: String,
+    /// Where its positions are.
+    pub from: PoseFrom,
+}
+
+/// Where the positions of a pose are.
+#[derive(Clone, Debug, PartialEq)]
+pub enum PoseFrom {
+    /// In a file of its own.
+    File(PathBuf),
+    /// In the source's sequence, under this number.
+    Held(usize),
+}
+
+/// The vertices of the source's mesh in one pose (#V of the file).
+///
+/// # Errors
+///
+/// If the pose cannot be read, is no pose of the source, or is not finite.
+pub fn read_pose(source: &RestMesh, formats: &Formats, from: &PoseFrom) -> Result<Vec<Point3<f64>>> {
+    let positions = match from {
+        PoseFrom::Held(i) => source.sequence.poses[*i].positions.clone(),
+        PoseFrom::File(path) => match formats.reader(path) {
+            Ok(format) => format.read_pose(path, &source.sequence.rest)?,
+            Err(unknown) => return Err(Error::file(path, unknown.message, unknown.hint)),
+        },
+    };
+    check_finite(&positions)?;
+    Ok(positions)
+}
+
+/// At most `count` poses of the source's surface, evenly spaced over `poses`.
+///
+/// Poses that cannot be read are left out; they are reported when their turn comes.
+///
+/// # Errors
+///
+/// Those of [`Surface::from_mesh`](mimesh_core::mesh::Surface::from_mesh), for poses of another length.
+pub fn read_evenly_spaced(
+    source: &RestMesh,
+    formats: &Formats,
+    poses: &[PoseInput],
+    count: usize,
+) -> Result<Vec<Vec<Point3<f64>>>> {
+    let chosen = evenly_spaced(poses.len(), count);
+    let readable: Vec<_> = chosen.par_iter().filter_map(|&i| read_pose(source, formats, &poses[i].from).ok()).collect();
+    readable.iter().map(|positions| source.surface.from_mesh(positions)).collect()
+}
+
+/// At most `count` of the numbers 0 to `all` - 1, evenly spaced.
+pub fn evenly_spaced(all: usize, count: usize) -> Vec<usize> {
+    if count >= all { (0..all).collect() } else { (0..count).map(|k| k * all / count).collect() }
+}

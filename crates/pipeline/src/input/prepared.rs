@@ -1,0 +1,103 @@
+//! Pipelines that are read and checked, ready to run.
+
+use std::{path::PathBuf, sync::Arc};
+
+use mimesh_core::stage::{KeyPoints, Marker, Metric, ProximityGraph};
+use mimesh_markers::MarkerFiles;
+
+use super::{FileHashes, GroundTruth, Outputs, PoseInput, RestMesh};
+use crate::{compose::Variant, formats::Formats, metrics::Gate, report::StageReport, spec::Pipeline};
+
+/// A pipeline without mistakes, its rest meshes read.
+#[derive(Debug)]
+pub struct Prepared {
+    /// The pipeline's file.
+    pub file: PathBuf,
+    /// The targets and values that distinguish it from the other runs of the file.
+    pub variant: Variant,
+    /// The settings; paths of stages are relative to the current folder.
+    pub pipeline: Pipeline,
+    /// The values that were set beside the file.
+    pub set: Vec<String>,
+    /// The formats, with the pipeline's settings.
+    pub formats: Formats,
+    /// The mesh that gives its motion; runs of one file share it.
+    pub source: Arc<RestMesh>,
+    /// The mesh that takes the motion; combinations of one matrix share it.
+    pub target: Arc<RestMesh>,
+    /// The poses of the source, at least one.
+    pub poses: Vec<PoseInput>,
+    /// Pairs of points of the two surfaces.
+    pub markers: Vec<Marker>,
+    /// The proximity graph of the target, which the checks of stages needed; `None` if there is no such stage.
+    pub proximity: Option<ProximityInput>,
+    /// The known results.
+    pub truth: GroundTruth,
+    /// The metrics that every pose is measured with.
+    pub metrics: Vec<Box<dyn Metric>>,
+    /// The limits that statistics must keep.
+    pub gates: Vec<Gate>,
+    /// The files that are written.
+    pub outputs: Outputs,
+    /// Every file that is read.
+    pub inputs: Vec<InputFile>,
+    /// Sizes and hashes of the inputs.
+    pub hashes: Arc<FileHashes>,
+    /// Sentences about what looks wrong or was left out.
+    pub warnings: Vec<String>,
+    /// The time that reading and checking took.
+    pub reading: StageReport,
+}
+
+/// The part of a pipeline that key points are chosen by: its source, without mistakes.
+#[derive(Debug)]
+pub struct PreparedSource {
+    /// The mesh that gives its motion.
+    pub source: RestMesh,
+    /// Its poses, at least one.
+    pub poses: Vec<PoseInput>,
+    /// The formats, with the pipeline's settings.
+    pub formats: Formats,
+    /// The stage that chooses.
+    pub key_points: Box<dyn KeyPoints>,
+    /// The pipeline's file of markers, as seen from the current folder.
+    pub markers: Option<PathBuf>,
+    /// The target's file, as the pipeline spells it.
+    pub target: Option<PathBuf>,
+}
+
+/// The part of a pipeline that markers lie on: its two meshes at rest, without mistakes.
+#[derive(Debug)]
+pub struct Meshes {
+    /// The mesh that gives its motion.
+    pub source: RestMesh,
+    /// The mesh that takes the motion.
+    pub target: RestMesh,
+    /// The pipeline's files of markers, as seen from the current folder.
+    pub markers: Option<MarkerFiles>,
+}
+
+/// A proximity graph with the report of its computation.
+#[derive(Clone, Debug)]
+pub struct ProximityInput {
+    /// The graph.
+    pub graph: ProximityGraph,
+    /// The report of the stage.
+    pub report: StageReport,
+}
+
+/// A file that a run reads.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct InputFile {
+    /// What the file is, e.g. `source rest`.
+    pub role: &'static str,
+    /// The file.
+    pub path: PathBuf,
+}
+
+impl InputFile {
+    /// Whether it is the file of a pose.
+    pub fn is_pose(&self) -> bool {
+        self.role == "pose"
+    }
+}

@@ -1,0 +1,44 @@
+//! Pipelines: what a YAML file declares, and how it is read, checked, planned, run, measured and reported.
+//!
+//! A file becomes one [document](mimesh_document::Document) a run ([`compose`]), each document a typed [`Pipeline`] ([`mod@parse`]),
+//! and that, with the files it names, something [`Prepared`] ([`check`]). Until then all that is wrong is collected; nothing is
+//! computed before nothing is. A [`Plan`] decides which results of the [`cache`] are used, [`run()`] executes it, and a [`Report`]
+//! says what came of it.
+//!
+//! The crate knows no command line and no terminal: errors carry a [`Kind`](mimesh_document::Kind), ways out that depend on the
+//! program around it are [remedies](mimesh_document::Remedy), and progress goes to a [`Progress`].
+
+pub mod cache;
+pub mod check;
+pub mod compose;
+pub mod formats;
+pub mod globs;
+pub mod input;
+mod json;
+pub mod key_points;
+pub mod metrics;
+mod one_or_many;
+pub mod page;
+pub mod parse;
+pub mod pictures;
+pub mod placeholder;
+pub mod plan;
+pub mod progress;
+pub mod report;
+mod run;
+pub mod schema;
+pub mod spec;
+pub mod staging;
+#[cfg(test)]
+mod testing;
+pub mod text;
+
+pub use check::{Options, prepare, prepare_all, prepare_meshes, prepare_source};
+pub use formats::Formats;
+pub use input::{Prepared, PreparedSource};
+pub use one_or_many::OneOrMany;
+pub use plan::Plan;
+pub use progress::{NoProgress, Progress};
+pub use report::Report;
+pub use run::{Finished, run};
+pub use spec::Pipeline;

@@ -1,0 +1,18 @@
+//! The metrics of a pipeline: measured on every pose, held to limits and gates, and combined over poses.
+//!
+//! [`Verdict`] and [`PoseMetrics`] are data that reports and the cache keep. [`Gate`]s come from the declared statistics.
+//! [`MetricSet`] measures poses and gives verdicts. [`over_poses`] reads the reports of all poses.
+
+mod gates;
+mod metric_set;
+mod over_poses;
+mod point_error;
+mod pose_metrics;
+pub mod verdict;
+
+pub use gates::{Gate, Unknown, gates};
+pub use metric_set::{MetricSet, binding_error};
+pub use over_poses::{PrimaryStatistic, over_poses, primary_statistics};
+pub use point_error::point_error;
+pub use pose_metrics::{PoseMeasurements, PoseMetrics};
+pub use verdict::{Level, Reason, Verdict};

@@ -1,0 +1,80 @@
+//! Verdicts on poses, as reports keep them.
+
+use serde::{Deserialize, Serialize};
+
+use crate::text::number;
+
+/// How bad a statistic or a pose is, from the best to the worst.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Deserialize, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Level {
+    /// No limit is exceeded.
+    #[default]
+    Good,
+    /// A person should look.
+    Doubtful,
+    /// Something is wrong.
+    Bad,
+    /// A gate of the pipeline is exceeded.
+    #[serde(rename = "broken_gate")]
+    Failed,
+}
+
+/// The verdict on a pose.
+#[derive(Clone, Debug, Default, Deserialize, Serialize)]
+pub struct Verdict {
+    /// The worst level of its reasons.
+    pub level: Level,
+    /// The statistics above their limits, worst first.
+    #[serde(default)]
+    pub reasons: Vec<Reason>,
+}
+
+/// A statistic above its limit.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+pub struct Reason {
+    /// How bad that is.
+    pub level: Level,
+    /// The type of the metric.
+    pub metric: String,
+    /// The statistic.
+    #[serde(rename = "figure")]
+    pub statistic: String,
+    /// The thing that the value belongs to, if it is one among many, e.g. `marker 28`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub about: Option<String>,
+    /// The value; `None` if it could not be measured, which breaks a gate too.
+    pub value: Option<f64>,
+    /// The largest size that passes.
+    pub limit: f64,
+}
+
+impl Level {
+    /// The level for people, in a word or two.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Good => "good",
+            Self::Doubtful => "doubtful",
+            Self::Bad => "bad",
+            Self::Failed => "broken gate",
+        }
+    }
+}
+
+impl Reason {
+    /// The reason for people: `edge stretch p99 85.1, above 60`.
+    pub fn words(&self) -> String {
+        let statistic = format!("{} {}", self.metric, self.statistic).replace('_', " ");
+        let Some(value) = self.value else { return format!("{statistic} could not be measured") };
+        let about = self.about.as_ref().map(|about| format!(" at {about}")).unwrap_or_default();
+        format!("{statistic} {}{about}, above {}", number(value), number(self.limit))
+    }
+
+    /// The size of the value over its limit: at least 1, and infinite if the limit is 0 or there is no value.
+    pub fn excess(&self) -> f64 {
+        match self.value {
+            Some(value) if self.limit > 0.0 => value.abs() / self.limit,
+            _ => f64::INFINITY,
+        }
+    }
+}

@@ -1,0 +1,65 @@
+//! The page that shows a run.
+
+use maud::{Markup, html};
+
+use super::{
+    curves::curves,
+    elements::{Image, document, figure},
+    facts, poses,
+};
+use crate::report::Report;
+
+/// The pictures of a run.
+#[derive(Clone, Debug, Default)]
+pub struct Pictures {
+    /// The meshes at rest, with their markers.
+    pub rest: Vec<Image>,
+    /// Large pictures of the worst poses.
+    pub worst: Vec<Image>,
+    /// Small pictures of all poses, or of some spread over them.
+    pub sheet: Vec<Image>,
+}
+
+/// Returns the page of a run.
+pub fn page(report: &Report, pictures: &Pictures) -> String {
+    let name = report.pipeline.file_stem().unwrap_or_default().to_string_lossy();
+    let title = match &report.run {
+        Some(run) => format!("{name} · {}", run.name),
+        None => name.into_owned(),
+    };
+    document(
+        &title,
+        html! {
+            (facts::head(report, &title))
+            (poses::worst(report, &pictures.worst))
+            (poses::table(report))
+            @if !pictures.sheet.is_empty() {
+                section {
+                    h2 { "All poses" }
+                    (sheet(&pictures.sheet, report.poses.iter().filter(|pose| pose.error.is_none()).count()))
+                }
+            }
+            (curves(report))
+            @if !pictures.rest.is_empty() {
+                section {
+                    h2 { "At rest" }
+                    div.rests { @for image in &pictures.rest { (figure(image)) } }
+                }
+            }
+            (facts::averages(report))
+            (facts::warnings(report))
+            (facts::stages(report))
+            (facts::provenance(report))
+        },
+    )
+}
+
+fn sheet(images: &[Image], poses: usize) -> Markup {
+    html! {
+        p.note {
+            @if images.len() < poses { (images.len()) " of " (poses) " poses, spread over all of them. " }
+            "What is seen from behind is dark red."
+        }
+        div.sheet { @for image in images { (figure(image)) } }
+    }
+}

@@ -1,0 +1,212 @@
+//! The plan of a run: which stages run, which results are taken from the cache, and why.
+//!
+//! A plan is made once; a run executes it, and `mimesh plan` shows it.
+
+use mimesh_core::stage::TriangleMap;
+use rayon::prelude::*;
+use serde::Serialize;
+
+use crate::{
+    cache::{Cache, CacheCodec, Change, LastRun, PoseCache, RunKeys, StageKey, TransferSummary},
+    input::Prepared,
+};
+
+/// The plan of a run.
+#[derive(Clone, Debug, Serialize)]
+pub struct Plan {
+    /// The stages in their order; poses come last.
+    pub steps: Vec<PlannedStep>,
+    /// What the cache holds of the run; `None` for a run without a cache.
+    #[serde(skip)]
+    pub cached: Option<CachedRun>,
+}
+
+/// What becomes of a stage.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct PlannedStep {
+    /// The stage, e.g. `correspondence`, or `poses`.
+    pub stage: &'static str,
+    /// Its type.
+    #[serde(rename = "type")]
+    pub name: String,
+    /// What is done.
+    pub action: Action,
+    /// How many of the poses run; 0 or 1 for stages.
+    pub runs: usize,
+    /// The number of poses; 1 for stages.
+    pub of: usize,
+    /// The reason.
+    pub why: String,
+}
+
+/// What is done with a stage.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Action {
+    /// It runs.
+    Run,
+    /// Its cached result is taken.
+    Reuse,
+    /// It is not needed, since all that depends on it is cached.
+    Skip,
+}
+
+/// What the cache holds of a run.
+#[derive(Clone, Debug)]
+pub struct CachedRun {
+    /// The keys of the run.
+    pub keys: RunKeys,
+    /// What is known of the bound transfer.
+    pub transfer: Option<TransferSummary>,
+    /// Whether every pose has a result.
+    pub complete: bool,
+    /// Whether every pose has measurements, too.
+    pub measured: bool,
+    /// The number of poses that have to run.
+    missing: usize,
+}
+
+impl CachedRun {
+    /// Looks up what `cache` holds of a run of `prepared`; entries are not checked.
+    fn new(prepared: &Prepared, cache: &Cache) -> Self {
+        let keys = RunKeys::new(prepared, cache.program());
+        let transfer: Option<TransferSummary> = cache.get("transfer", keys.transfer.key);
+        let motion = transfer.as_ref().is_some_and(|transfer| transfer.motion);
+        let poses = PoseCache { cache, keys: &keys, motion };
+        let all = prepared.poses.len();
+        let missing = (0..all).into_par_iter().filter(|&i| !poses.contains(i)).count();
+        let complete = missing == 0 && transfer.is_some();
+        let measured = complete && (0..all).into_par_iter().all(|i| poses.contains_metrics(i));
+        // Frames of one motion depend on those before, so they are used only all together.
+        let missing = if motion && missing > 0 { all } else { missing };
+        Self { keys, transfer, complete, measured, missing }
+    }
+}
+
+impl Plan {
+    /// Plans a run of `prepared`; nothing is computed but hashes.
+    pub fn new(prepared: &Prepared, cache: Option<&Cache>) -> Self {
+        match cache {
+            Some(cache) => Self::with_cache(prepared, cache),
+            None => Self::without_cache(prepared),
+        }
+    }
+
+    /// Whether the results of all poses are cached.
+    pub fn is_complete(&self) -> bool {
+        self.cached.as_ref().is_some_and(|cached| cached.complete)
+    }
+
+    fn without_cache(prepared: &Prepared) -> Self {
+        let reason = "the run does without the cache";
+        let all = prepared.poses.len();
+        let mut steps: Vec<_> =
+            stages(prepared).into_iter().map(|(stage, name)| step(stage, name, Action::Run, reason)).collect();
+        steps.push(PlannedStep { runs: all, of: all, ..step("poses", "", Action::Run, reason) });
+        Self { steps, cached: None }
+    }
+
+    fn with_cache(prepared: &Prepared, cache: &Cache) -> Self {
+        let cached = CachedRun::new(prepared, cache);
+        let last_run = LastRun::read(&cache.store, prepared);
+        let mut steps: Vec<_> = stages(prepared)
+            .into_iter()
+            .map(|(stage, name)| planned(stage, name, prepared, cache, &cached, &last_run))
+            .collect();
+        steps.push(planned_poses(prepared.poses.len(), &cached));
+        Self { steps, cached: Some(cached) }
+    }
+}
+
+/// The stages of a run with their types, in their order.
+fn stages(prepared: &Prepared) -> Vec<(&'static str, &str)> {
+    let pipeline = &prepared.pipeline;
+    let stages = [
+        ("proximity", pipeline.proximity.as_ref().map(|stage| stage.typetag_name())),
+        ("correspondence", pipeline.correspondence.as_ref().map(|stage| stage.typetag_name())),
+        ("transfer", pipeline.transfer.as_ref().map(|stage| stage.typetag_name())),
+    ];
+    stages.into_iter().filter_map(|(stage, name)| Some((stage, name?))).collect()
+}
+
+fn planned(
+    stage: &'static str,
+    name: &str,
+    prepared: &Prepared,
+    cache: &Cache,
+    cached: &CachedRun,
+    last_run: &LastRun,
+) -> PlannedStep {
+    let keys = &cached.keys;
+    let (key, is_cached) = match stage {
+        "proximity" => {
+            (keys.proximity.as_ref(), prepared.proximity.as_ref().is_some_and(|proximity| proximity.report.reused))
+        }
+        "correspondence" => {
+            let key = keys.correspondence.as_ref();
+            (key, key.is_some_and(|key| is_readable::<TriangleMap>(cache, stage, key)))
+        }
+        "transfer" => (Some(&keys.transfer), cached.complete),
+        _ => (None, false),
+    };
+    let needed = !cached.complete || (stage == "correspondence" && prepared.outputs.correspondence.is_some());
+    let unchanged = key.is_some_and(|key| last_run.change(stage, key) == Change::Gone);
+    match (is_cached, needed) {
+        (true, _) => step(stage, name, Action::Reuse, "cached for these settings and inputs"),
+        (false, false) => step(stage, name, Action::Skip, "all poses are cached"),
+        (false, true) if stage == "transfer" && unchanged && cached.missing < prepared.poses.len() => {
+            step(stage, name, Action::Run, "some poses are missing, and a bound transfer is not cached")
+        }
+        (false, true) => step(stage, name, Action::Run, &key.map_or(String::new(), |key| reason(last_run, stage, key))),
+    }
+}
+
+fn planned_poses(all: usize, cached: &CachedRun) -> PlannedStep {
+    let motion = cached.transfer.as_ref().is_some_and(|transfer| transfer.motion);
+    let (action, reason) = match cached.missing {
+        0 if cached.complete => (Action::Reuse, "cached for this transfer and these poses".into()),
+        missing if missing == all && motion => (Action::Run, "frames of one motion are used only all together".into()),
+        missing if missing == all => (Action::Run, "none is cached for this transfer".into()),
+        missing => (Action::Run, format!("{} of {all} are cached", all - missing)),
+    };
+    PlannedStep { runs: cached.missing, of: all, ..step("poses", "", action, &reason) }
+}
+
+/// Whether the cache holds a result that can be read.
+fn is_readable<T: CacheCodec>(cache: &Cache, stage: &str, key: &StageKey) -> bool {
+    cache.get::<T>(stage, key.key).is_some()
+}
+
+fn step(stage: &'static str, name: &str, action: Action, why: &str) -> PlannedStep {
+    let runs = usize::from(action == Action::Run);
+    PlannedStep { stage, name: name.into(), action, runs, of: 1, why: why.into() }
+}
+
+/// Why `stage` has no result.
+fn reason(last_run: &LastRun, stage: &str, key: &StageKey) -> String {
+    match last_run.change(stage, key) {
+        Change::New => "this pipeline has not been run with this stage".into(),
+        Change::Gone => "its result is no longer cached".into(),
+        Change::Changed(inputs) => format!("changed since the last run: {}", inputs.join("; ")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use crate::schema::SchemaNode;
+
+    /// The slots whose stages this file plans and `cache/keys.rs` has keys for.
+    const PLANNED: [&str; 3] = ["correspondence", "proximity", "transfer"];
+    /// The slots whose stages no run uses.
+    const UNUSED: [&str; 1] = ["key_points"];
+
+    /// A stage that is neither would be left out of the keys, and results from before it was added or changed would be reused.
+    #[test]
+    fn every_slot_of_a_stage_is_planned() {
+        let slots = SchemaNode::pipeline().properties(None).into_iter();
+        let found: BTreeSet<_> = slots.filter(|(_, node)| node.stage().is_some()).map(|(slot, _)| slot).collect();
+        assert_eq!(found, PLANNED.into_iter().chain(UNUSED).collect());
+    }
+}

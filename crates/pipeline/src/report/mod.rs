@@ -1,0 +1,11 @@
+//! What a run did: the contents of `run.json`, and tables of several runs.
+
+mod process;
+mod run_report;
+mod stage;
+mod table;
+
+pub use process::{Usage, usage};
+pub use run_report::{InputReport, MeshFigures, PoseReport, Report, RunOf};
+pub use stage::{Clock, StageReport};
+pub use table::{Results, Row, RunOutcome};

@@ -1,0 +1,161 @@
+//! What a run did: the contents of `run.json`, from which the summary is made.
+
+use std::path::PathBuf;
+
+use mimesh_core::{Figures, mesh::Topology};
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
+
+use super::{process::Usage, stage::StageReport};
+use crate::{
+    compose::Variant,
+    input::RestMesh,
+    metrics::{Level, Verdict},
+    staging::WrittenFile,
+};
+
+/// A run, whole.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+pub struct Report {
+    /// The program's version.
+    pub mimesh: String,
+    /// `done`, or `partly` if some poses failed.
+    pub status: String,
+    /// The pipeline's file.
+    pub pipeline: PathBuf,
+    /// Which of its runs this was, if it declares several.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub run: Option<RunOf>,
+    /// Its settings in full, with defaults and with what the command line set.
+    pub settings: Value,
+    /// What the command line set.
+    pub set: Vec<String>,
+    /// Threads used.
+    pub threads: usize,
+    /// Every file read.
+    pub inputs: Vec<InputReport>,
+    /// The mesh that gave its motion.
+    pub source: MeshFigures,
+    /// The mesh that took it.
+    pub target: MeshFigures,
+    /// Number of markers.
+    pub markers: usize,
+    /// The worst verdict of any pose; none where nothing was measured.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub verdict: Option<Level>,
+    /// The gates of the pipeline.
+    #[serde(default, skip_serializing_if = "Map::is_empty")]
+    pub gates: Map<String, Value>,
+    /// The stages in their order.
+    pub stages: Vec<StageReport>,
+    /// The poses in their order.
+    pub poses: Vec<PoseReport>,
+    /// For each metric its statistics over all poses.
+    #[serde(default, skip_serializing_if = "Map::is_empty")]
+    pub metrics: Map<String, Value>,
+    /// Every file written, without this one.
+    pub outputs: Vec<WrittenFile>,
+    /// Sentences about what looks wrong or was left out.
+    pub warnings: Vec<String>,
+    /// Seconds from start to end.
+    pub seconds: f64,
+    /// What the process used, from its own start.
+    pub process: Usage,
+}
+
+/// One of the runs that a pipeline declares.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+pub struct RunOf {
+    /// Its name, which `{name}` stands for.
+    pub name: String,
+    /// The target's name.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub target: Option<String>,
+    /// The keys that the matrix varies, with their values.
+    #[serde(default, skip_serializing_if = "Map::is_empty")]
+    pub matrix: Map<String, Value>,
+}
+
+impl RunOf {
+    /// Of `variant`; `None` for the only run of a file.
+    pub fn new(variant: &Variant) -> Option<Self> {
+        let Variant { name, target, values, .. } = variant;
+        variant.is_declared().then(|| Self {
+            name: name.clone(),
+            target: target.clone(),
+            matrix: values.iter().cloned().collect(),
+        })
+    }
+}
+
+/// A file that was read.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize, Serialize)]
+pub struct InputReport {
+    /// What it is.
+    pub role: String,
+    /// The file.
+    pub path: PathBuf,
+    /// Its size.
+    pub bytes: u64,
+    /// The hash of its contents.
+    pub blake3: String,
+}
+
+/// Counts and size of a mesh.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+pub struct MeshFigures {
+    /// Vertices of the file.
+    pub vertices: usize,
+    /// Polygons of the file.
+    pub polygons: usize,
+    /// Vertices after welding seams.
+    pub welded_vertices: usize,
+    /// Triangles after cutting polygons.
+    pub triangles: usize,
+    /// Connected components.
+    pub components: usize,
+    /// Edges of more than two triangles.
+    pub non_manifold_edges: usize,
+    /// Length of the diagonal of the bounding box, in the unit of the file.
+    pub diagonal: f64,
+}
+
+/// A pose.
+#[derive(Clone, Debug, Default, Deserialize, Serialize)]
+pub struct PoseReport {
+    /// Its name.
+    pub name: String,
+    /// Why it failed, if it did.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub error: Option<Value>,
+    /// Whether it was kept from an earlier run.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub reused: bool,
+    /// What the transfer says of it.
+    pub figures: Figures,
+    /// The verdict on it; `None` if it was not measured.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub verdict: Option<Verdict>,
+    /// For each metric its statistics.
+    #[serde(default, skip_serializing_if = "Map::is_empty")]
+    pub metrics: Map<String, Value>,
+    /// The statistics of the target at rest against the ground truth, as if nothing had been transferred.
+    #[serde(rename = "nothing", default, skip_serializing_if = "Map::is_empty")]
+    pub rest_baseline: Map<String, Value>,
+}
+
+impl MeshFigures {
+    /// Of a mesh.
+    pub fn new(side: &RestMesh) -> Self {
+        let mesh = &side.sequence.rest;
+        Self {
+            vertices: mesh.positions.len(),
+            polygons: mesh.polygons.len(),
+            welded_vertices: side.surface.vertex_count(),
+            triangles: side.surface.triangle_count(),
+            components: side.surface.components().count(),
+            non_manifold_edges: Topology::new(&side.surface.triangles).non_manifold.len(),
+            diagonal: mesh.diagonal(),
+        }
+    }
+}

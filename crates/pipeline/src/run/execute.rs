@@ -1,0 +1,231 @@
+//! Executing a plan.
+
+use mimesh_core::{Error, stage::MetricContext};
+use mimesh_document::{Diagnostic, Diagnostics, Kind, diagnostic::Result};
+use mimesh_markers::IntoDiagnostic;
+use rayon::prelude::*;
+use serde_json::Value;
+
+use super::{
+    measure::Measurer,
+    poses::{PoseRunner, Stream},
+    stages::Stages,
+    written,
+};
+use crate::{
+    cache::{Cache, LastRun},
+    input::{InputFile, Prepared},
+    json::to_value,
+    metrics::{Gate, Level, MetricSet, PoseMetrics, Reason, over_poses},
+    pictures::Thumbnails,
+    plan::Plan,
+    progress::Progress,
+    report::{Clock, InputReport, MeshFigures, PoseReport, Report, RunOf, usage},
+    staging::{self, Staged},
+};
+
+/// A run that gave results.
+#[derive(Debug)]
+pub struct Finished {
+    /// The report of the run.
+    pub report: Report,
+    /// Diagnostics of the poses that failed; the others are written.
+    pub failed: Vec<Diagnostic>,
+}
+
+/// Executes `plan` for `prepared` on `threads` threads (0: as many as the machine has); `cache` is the one that the plan was made
+/// with.
+///
+/// The results are the same for any number of threads, and with or without a cache.
+///
+/// # Errors
+///
+/// Those of a stage or a file; then nothing is written. A pose that fails on its own is in the result, unless all of them fail.
+pub fn run(
+    prepared: &Prepared,
+    plan: &Plan,
+    threads: usize,
+    cache: Option<&Cache>,
+    progress: &dyn Progress,
+) -> Result<Finished> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    let pool = pool.map_err(|error| Diagnostic::new(Kind::Internal, format!("cannot start threads: {error}")))?;
+    pool.install(|| execute(prepared, plan, cache, progress))
+}
+
+fn execute(prepared: &Prepared, plan: &Plan, cache: Option<&Cache>, progress: &dyn Progress) -> Result<Finished> {
+    let Some(transfer) = &prepared.pipeline.transfer else {
+        return Err(Diagnostic::new(Kind::Internal, "a pipeline without a transfer was taken for checked").into());
+    };
+    staging::remove_abandoned(&prepared.outputs.files());
+    let cached = cache.zip(plan.cached.as_ref());
+    let stages = Stages::new(prepared, transfer.as_ref(), cached, progress);
+    let measured = cached_metrics(prepared, plan, &stages);
+    let measures = measured.is_none() && prepared.metrics.iter().any(|metric| !metric.needs_ground_truth());
+    if measures || !plan.is_complete() || prepared.outputs.correspondence.is_some() {
+        stages.map()?;
+    } else {
+        stages.cached_map();
+    }
+    match cached.and_then(|(_, cached)| cached.transfer.clone().filter(|_| cached.complete)) {
+        Some(summary) => {
+            let clock = Clock::start();
+            stages.report(clock.stop("transfer", transfer.typetag_name(), summary.figures).reused());
+        }
+        None => _ = stages.bound()?,
+    }
+    if let Some((cache, cached)) = cached {
+        LastRun::of(&cached.keys).store(&cache.store, prepared);
+    }
+
+    let mut staged = Vec::new();
+    if let (Some(path), Some(map)) = (&prepared.outputs.correspondence, stages.map()?) {
+        staged.push(written::correspondence(path, map)?);
+    }
+    progress.poses(prepared.poses.len());
+    let metrics = match measured {
+        Some(_) => MetricSet::for_verdicts(&prepared.metrics),
+        None => MetricSet::bind(&prepared.metrics, context(prepared, &stages))?,
+    };
+    let metrics = metrics.with_gates(&prepared.gates);
+    let thumbnails = prepared.outputs.are_visual().then(|| Thumbnails::new(prepared));
+    let measurer =
+        Measurer { prepared, metrics: &metrics, measured: measured.as_deref(), thumbnails: thumbnails.as_ref() };
+    let runner = PoseRunner { prepared, stages: &stages, measurer: &measurer, progress };
+    let clock = Clock::start();
+    let Stream { poses, failed, files, warnings } = runner.stream()?;
+    drop(metrics);
+    staged.extend(files);
+    stages.report(clock.stop("poses", "", Default::default()));
+    if failed.len() == poses.len() {
+        return Err(Diagnostics { list: failed });
+    }
+
+    progress.stage("writing");
+    let mut report = assemble(prepared, stages, poses, &failed, &staged, cache)?;
+    report.warnings.splice(prepared.warnings.len()..prepared.warnings.len(), warnings);
+    deduplicate(&mut report.warnings);
+    if let Some(thumbnails) = thumbnails {
+        let visual = written::visual_outputs(prepared, &report, thumbnails)?;
+        report.outputs.extend(visual.iter().map(Staged::written));
+        staged.extend(visual);
+    }
+    staged.push(written::report(&prepared.outputs.report, &report)?);
+    staging::commit(staged)?;
+    Ok(Finished { report, failed })
+}
+
+/// The cached measurements of all poses, where they will do: pictures show more than they hold.
+fn cached_metrics(prepared: &Prepared, plan: &Plan, stages: &Stages<'_>) -> Option<Vec<PoseMetrics>> {
+    let measured = plan.cached.as_ref().is_some_and(|cached| cached.measured);
+    if !measured || prepared.outputs.are_visual() {
+        return None;
+    }
+    let poses = stages.pose_cache()?;
+    (0..prepared.poses.len()).into_par_iter().map(|i| poses.metrics(i)).collect()
+}
+
+/// What metrics are bound to.
+fn context<'a>(prepared: &'a Prepared, stages: &'a Stages<'_>) -> MetricContext<'a> {
+    MetricContext {
+        rest: &prepared.target.sequence.rest,
+        surface: &prepared.target.surface,
+        pair: Some(stages.pair()),
+        map: stages.cached_map(),
+    }
+}
+
+/// The report of a run whose poses are done.
+fn assemble(
+    prepared: &Prepared,
+    stages: Stages<'_>,
+    poses: Vec<PoseReport>,
+    failed: &[Diagnostic],
+    staged: &[Staged],
+    cache: Option<&Cache>,
+) -> Result<Report> {
+    let clock = Clock::start();
+    let inputs = inputs(prepared)?;
+    stages.report(clock.stop("writing", "", Default::default()));
+    if let Some(cache) = cache {
+        cache.store.clean_up();
+    }
+    let unmeasured: Vec<String> =
+        prepared.gates.iter().filter(|gate| !is_measured(gate, &poses)).map(unmeasured_gate).collect();
+    let of_cache = cache.map(Cache::warnings).unwrap_or_default();
+    let stages = stages.into_reports();
+    Ok(Report {
+        mimesh: env!("CARGO_PKG_VERSION").into(),
+        status: if failed.is_empty() { "done" } else { "partly" }.into(),
+        pipeline: prepared.file.clone(),
+        settings: settings(prepared),
+        set: prepared.set.clone(),
+        threads: rayon::current_num_threads(),
+        inputs,
+        source: MeshFigures::new(&prepared.source),
+        target: MeshFigures::new(&prepared.target),
+        markers: prepared.markers.len(),
+        run: RunOf::new(&prepared.variant),
+        verdict: worst(&poses).max(unmeasured.first().map(|_| Level::Failed)),
+        gates: prepared.gates.iter().map(|gate| (gate.key.clone(), gate.limit.into())).collect(),
+        warnings: prepared.warnings.iter().cloned().chain(unmeasured).chain(of_cache).collect(),
+        metrics: over_poses(&poses),
+        seconds: stages.iter().map(|stage| stage.seconds).sum(),
+        stages,
+        poses,
+        outputs: staged.iter().map(Staged::written).collect(),
+        process: usage(),
+    })
+}
+
+/// The settings in full.
+fn settings(prepared: &Prepared) -> Value {
+    let mut settings = to_value(&prepared.pipeline);
+    settings["metrics"] = to_value(&prepared.metrics);
+    settings["formats"] = to_value(prepared.formats.all());
+    settings
+}
+
+/// Size and hash of every file that was read.
+fn inputs(prepared: &Prepared) -> Result<Vec<InputReport>> {
+    let report = |input: &InputFile| match prepared.hashes.get(&input.path) {
+        Some(file) => {
+            let (role, path) = (input.role.to_owned(), input.path.clone());
+            Some(Ok(InputReport { role, path, bytes: file.bytes, blake3: file.blake3 }))
+        }
+        // A pose that cannot be read has a diagnostic of its own.
+        None if input.is_pose() => None,
+        None => {
+            let error = std::io::Error::from(std::io::ErrorKind::NotFound);
+            Some(Err(Error::read(&input.path, error).into_diagnostic().into()))
+        }
+    };
+    prepared.inputs.par_iter().filter_map(report).collect()
+}
+
+/// The warning about a gate whose statistic no pose has.
+fn unmeasured_gate(gate: &Gate) -> String {
+    format!(
+        "the gate `{}` is broken: {} gave `{}` for no pose; remove the gate, or see `mimesh show metric {}` for what it needs",
+        gate.key, gate.metric, gate.statistic, gate.metric
+    )
+}
+
+/// Whether the statistic of `gate` was measured in any of `poses`, or a verdict says that it could not be.
+fn is_measured(gate: &Gate, poses: &[PoseReport]) -> bool {
+    let is_reason = |reason: &Reason| reason.level == Level::Failed && reason.metric == gate.metric;
+    poses.iter().any(|pose| {
+        pose.metrics.get(&gate.metric).is_some_and(|statistics| statistics.get(&gate.statistic).is_some())
+            || pose.verdict.as_ref().is_some_and(|verdict| verdict.reasons.iter().any(is_reason))
+    })
+}
+
+/// The worst verdict of any pose.
+fn worst(poses: &[PoseReport]) -> Option<Level> {
+    poses.iter().filter_map(|pose| Some(pose.verdict.as_ref()?.level)).max()
+}
+
+fn deduplicate(warnings: &mut Vec<String>) {
+    let mut seen = std::collections::HashSet::new();
+    warnings.retain(|warning| seen.insert(warning.clone()));
+}

@@ -1,0 +1,132 @@
+//! Measuring posed targets, and their pictures.
+
+use mimesh_core::{
+    Result,
+    stage::{Frame, MetricInput, Posed},
+};
+use nalgebra::Point3;
+
+use crate::{
+    cache::{PoseCache, PosedTarget},
+    input::Prepared,
+    metrics::{MetricSet, PoseMetrics},
+    pictures::{PoseView, Thumbnails},
+    report::PoseReport,
+};
+
+/// Measures the poses of a run.
+pub(super) struct Measurer<'a> {
+    /// The pipeline.
+    pub prepared: &'a Prepared,
+    /// The metrics.
+    pub metrics: &'a MetricSet<'a>,
+    /// The measurements of every pose, if they are cached.
+    pub measured: Option<&'a [PoseMetrics]>,
+    /// The pictures, if any are wanted.
+    pub thumbnails: Option<&'a Thumbnails<'a>>,
+}
+
+/// A pose that has been transferred.
+pub(super) struct PosedPose {
+    /// The target for the vertices of its mesh.
+    pub target: PosedTarget,
+    /// The target for the vertices of its surface; empty where nothing is measured.
+    pub surface: Vec<Point3<f64>>,
+    /// Whether the result was cached by an earlier run.
+    pub reused: bool,
+    /// The source, for the vertices of its surface; only where something is measured against it.
+    pub source: Option<Vec<Point3<f64>>>,
+}
+
+impl PosedPose {
+    /// The target in both numberings.
+    pub fn posed(&self) -> Posed<'_> {
+        Posed { mesh: &self.target.positions, surface: &self.surface }
+    }
+
+    /// The pose as one before another.
+    pub fn frame(&self) -> Frame<'_> {
+        Frame { result: self.posed(), source: self.source.as_deref() }
+    }
+}
+
+impl Measurer<'_> {
+    /// Whether poses are measured, not only looked up.
+    pub fn is_measuring(&self) -> bool {
+        self.measured.is_none()
+    }
+
+    /// Whether metrics or pictures ask for the posed source.
+    pub fn wants_source(&self) -> bool {
+        self.is_measuring() && (self.metrics.needs_source() || self.thumbnails.is_some())
+    }
+
+    /// Measures pose `i`, against the ground truth too if that is known.
+    pub fn measure(
+        &self,
+        i: usize,
+        posed: &PosedPose,
+        before: [Option<Frame<'_>>; 2],
+        cache: Option<PoseCache<'_>>,
+        report: &mut PoseReport,
+    ) {
+        if let Some(measured) = self.measured {
+            return self.record(&measured[i], report);
+        }
+        let target = &self.prepared.target;
+        let mut unreadable = false;
+        let positions = self.ground_truth(i, &report.name).unwrap_or_else(|error| {
+            // Metrics that need no ground truth are measured all the same.
+            report.figures.warn(format!("not scored: {error}"));
+            unreadable = true;
+            None
+        });
+        let ground_truth = positions.as_ref().map(|[mesh, surface]| Posed { mesh, surface });
+        let source = posed.source.as_deref();
+        let measurements = self.metrics.measure(MetricInput { result: posed.posed(), ground_truth, source, before });
+        let mut metrics = measurements.metrics();
+        if let Some(ground_truth) = ground_truth {
+            let rest = Posed { mesh: &target.sequence.rest.positions, surface: &target.surface.positions };
+            let baseline = self.metrics.measure_against_ground_truth(MetricInput::against(rest, ground_truth));
+            metrics.rest_baseline = baseline.statistics();
+        }
+        if let Some(cache) = cache.filter(|_| !unreadable) {
+            cache.put_metrics(i, &metrics);
+        }
+        self.record(&metrics, report);
+        if unreadable {
+            let missing = self.metrics.names_with_ground_truth().map(|metric| (metric.to_owned(), String::new()));
+            metrics.failed.extend(missing);
+            report.verdict = self.metrics.verdict(&metrics);
+        }
+        if let Some(thumbnails) = self.thumbnails {
+            let view = PoseView {
+                name: &report.name,
+                source,
+                result: &posed.surface,
+                measurements: &measurements,
+                verdict: report.verdict.as_ref(),
+                limit_ratio: self.metrics.limit_ratio(&metrics),
+            };
+            thumbnails.add(i, &view);
+        }
+    }
+
+    /// The known positions of pose `i` for the vertices of the target's mesh and of its surface; `None` if they are not known.
+    fn ground_truth(&self, i: usize, name: &str) -> Result<Option<[Vec<Point3<f64>>; 2]>> {
+        let Prepared { truth, formats, target, .. } = self.prepared;
+        let Some(mesh) = truth.positions(i, name, &target.sequence.rest, formats)? else { return Ok(None) };
+        let surface = target.surface.from_mesh(&mesh)?;
+        Ok(Some([mesh, surface]))
+    }
+
+    /// Puts measurements and their verdict into the report of a pose.
+    fn record(&self, metrics: &PoseMetrics, report: &mut PoseReport) {
+        for (metric, error) in &metrics.failed {
+            report.figures.warn(format!("metric {metric}: {error}"));
+        }
+        report.verdict = self.metrics.verdict(metrics);
+        report.metrics = metrics.statistics.clone();
+        report.rest_baseline = metrics.rest_baseline.clone();
+    }
+}

@@ -1,0 +1,10 @@
+//! Running a prepared pipeline: stages once, poses in a stream, results written together at the end.
+
+mod execute;
+mod measure;
+mod poses;
+mod stages;
+mod written;
+
+pub use execute::{Finished, run};
+pub use poses::pose_error;

@@ -1,0 +1,175 @@
+//! The stages that run once: the correspondence and the bound transfer, each computed when it is first asked for.
+
+use std::sync::{Mutex, OnceLock, PoisonError};
+
+use mimesh_core::{
+    Figures, Result,
+    stage::{BindInput, BoundTransfer, Transfer, TransferPair, TriangleMap},
+};
+use mimesh_document::{Diagnostic, diagnostic};
+use mimesh_markers::IntoDiagnostic;
+
+use crate::{
+    cache::{Cache, PoseCache, TransferSummary},
+    input::{Prepared, read_evenly_spaced},
+    plan::CachedRun,
+    progress::Progress,
+    report::{Clock, StageReport},
+};
+
+/// The stages of a run that run once.
+pub(super) struct Stages<'a> {
+    prepared: &'a Prepared,
+    /// The transfer of the pipeline.
+    pub transfer: &'a dyn Transfer,
+    cache: Option<(&'a Cache, &'a CachedRun)>,
+    progress: &'a dyn Progress,
+    map: OnceLock<TriangleMap>,
+    bound: OnceLock<Box<dyn BoundTransfer>>,
+    reports: Mutex<Vec<StageReport>>,
+}
+
+impl<'a> Stages<'a> {
+    /// The stages of `prepared`, none of which has run but those that its check needed.
+    pub fn new(
+        prepared: &'a Prepared,
+        transfer: &'a dyn Transfer,
+        cache: Option<(&'a Cache, &'a CachedRun)>,
+        progress: &'a dyn Progress,
+    ) -> Self {
+        let mut reports = vec![prepared.reading.clone()];
+        if let Some(proximity) = &prepared.proximity {
+            reports.push(proximity.report.clone());
+            if let Some((cache, cached)) = cache
+                && let Some(key) = cached.keys.proximity.as_ref().filter(|_| !proximity.report.reused)
+            {
+                cache.put("proximity", key.key, &proximity.graph);
+            }
+        }
+        let (map, bound) = (OnceLock::new(), OnceLock::new());
+        Self { prepared, transfer, cache, progress, map, bound, reports: Mutex::new(reports) }
+    }
+
+    /// The surfaces, markers and the proximity graph.
+    pub fn pair(&self) -> TransferPair<'a> {
+        let Prepared { source, target, markers, proximity, .. } = self.prepared;
+        TransferPair {
+            source: &source.surface,
+            target: &target.surface,
+            markers,
+            proximity: proximity.as_ref().map(|proximity| &proximity.graph),
+        }
+    }
+
+    /// The triangle map, if it is cached or has been computed.
+    pub fn cached_map(&self) -> Option<&TriangleMap> {
+        if let Some(map) = self.map.get() {
+            return Some(map);
+        }
+        let clock = Clock::start();
+        let (cache, cached) = self.cache?;
+        let map: TriangleMap = cache.get("correspondence", cached.keys.correspondence.as_ref()?.key)?;
+        let name = self.prepared.pipeline.correspondence.as_ref()?.typetag_name();
+        self.report(clock.stop("correspondence", name, map.figures.clone()).reused());
+        Some(self.map.get_or_init(|| map))
+    }
+
+    /// The triangle map; `None` for a pipeline without a correspondence.
+    ///
+    /// # Errors
+    ///
+    /// Those of the stage.
+    pub fn map(&self) -> diagnostic::Result<Option<&TriangleMap>> {
+        let Some(correspondence) = &self.prepared.pipeline.correspondence else { return Ok(None) };
+        if let Some(map) = self.cached_map() {
+            return Ok(Some(map));
+        }
+        let map = self.stage("correspondence", correspondence.typetag_name(), || {
+            let mut map = correspondence.correspond(self.pair())?;
+            map.check(self.pair())?;
+            map.figures.set("orphans", map.orphan_count());
+            let figures = map.figures.clone();
+            Ok((map, figures))
+        })?;
+        if let Some((cache, cached)) = self.cache
+            && let Some(key) = &cached.keys.correspondence
+        {
+            cache.put("correspondence", key.key, &map);
+        }
+        Ok(Some(self.map.get_or_init(|| map)))
+    }
+
+    /// The bound transfer.
+    ///
+    /// # Errors
+    ///
+    /// Those of the transfer, and of the correspondence that it needs.
+    pub fn bound(&self) -> diagnostic::Result<&dyn BoundTransfer> {
+        if let Some(bound) = self.bound.get() {
+            return Ok(bound.as_ref());
+        }
+        let map = self.map()?;
+        let Prepared { source, formats, poses, .. } = self.prepared;
+        let learned = read_evenly_spaced(source, formats, poses, self.transfer.poses_wanted());
+        let learned = learned.map_err(IntoDiagnostic::into_diagnostic)?;
+        let bound = self.stage("transfer", self.transfer.typetag_name(), || {
+            let bound = self.transfer.bind(BindInput { pair: self.pair(), map, poses: &learned })?;
+            let figures = bound.figures();
+            Ok((bound, figures))
+        })?;
+        if let Some((cache, cached)) = self.cache {
+            let summary = TransferSummary { figures: bound.figures(), motion: bound.motion().is_some() };
+            cache.put("transfer", cached.keys.transfer.key, &summary);
+        }
+        Ok(self.bound.get_or_init(|| bound).as_ref())
+    }
+
+    /// The cached results of poses, once it is known whether they are frames of one motion.
+    pub fn pose_cache(&self) -> Option<PoseCache<'a>> {
+        let (cache, cached) = self.cache?;
+        let motion = match self.bound.get() {
+            Some(bound) => bound.motion().is_some(),
+            None => cached.transfer.as_ref()?.motion,
+        };
+        Some(PoseCache { cache, keys: &cached.keys, motion })
+    }
+
+    /// The cached results that may be used one by one: frames of one motion only where all are there.
+    pub fn reusable_poses(&self) -> Option<PoseCache<'a>> {
+        let complete = self.cache.is_some_and(|(_, cached)| cached.complete);
+        self.pose_cache().filter(|poses| complete || !poses.motion)
+    }
+
+    /// Adds the report of a stage.
+    pub fn report(&self, report: StageReport) {
+        self.reports.lock().unwrap_or_else(PoisonError::into_inner).push(report);
+    }
+
+    /// The reports of the stages, in the order in which they ran.
+    pub fn into_reports(self) -> Vec<StageReport> {
+        self.reports.into_inner().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Runs a stage, notes its time and figures, and names it in its error.
+    fn stage<T>(
+        &self,
+        stage: &'static str,
+        name: &str,
+        work: impl FnOnce() -> Result<(T, Figures)>,
+    ) -> diagnostic::Result<T> {
+        self.progress.stage(&format!("{stage} ({name})"));
+        let clock = Clock::start();
+        match work() {
+            Ok((result, figures)) => {
+                self.report(clock.stop(stage, name, figures));
+                Ok(result)
+            }
+            Err(error) => {
+                let diagnostic = error.into_diagnostic();
+                // Some errors name the stage themselves.
+                let message = diagnostic.message.trim_start_matches(&format!("{stage}: ")).to_owned();
+                Err(Diagnostic { message, ..diagnostic }.doing(format!("{stage} ({name})")).into())
+            }
+        }
+    }
+}

@@ -1,0 +1,50 @@
+//! The files of a run beside its meshes: the correspondence, pages, sheets and the report, written to temporary files.
+
+use std::path::Path;
+
+use mimesh_core::{Error, stage::TriangleMap};
+use mimesh_document::Diagnostic;
+use serde_json::{Value, json};
+
+use crate::{
+    input::Prepared,
+    json::to_value,
+    page,
+    pictures::Thumbnails,
+    report::Report,
+    staging::{self, Staged},
+};
+
+/// The correspondence as a file that `from_file` reads.
+pub(super) fn correspondence(path: &Path, map: &TriangleMap) -> Result<Staged, Diagnostic> {
+    let mut contents = json!({ "format": "mimesh-correspondence", "version": 1 });
+    if let (Value::Object(contents), Value::Object(map)) = (&mut contents, to_value(map)) {
+        contents.extend(map);
+    }
+    staging::stage(path, |out| writeln!(out, "{contents}").map_err(|error| Error::write(path, error)))
+}
+
+/// The pages and sheets of a run.
+pub(super) fn visual_outputs(
+    prepared: &Prepared,
+    report: &Report,
+    thumbnails: Thumbnails<'_>,
+) -> Result<Vec<Staged>, Diagnostic> {
+    let mut staged = Vec::new();
+    for path in &prepared.outputs.sheets {
+        staged.push(staging::stage_bytes(path, &thumbnails.sheet())?);
+    }
+    if !prepared.outputs.pages.is_empty() {
+        let page = page::page(report, &thumbnails.pictures());
+        for path in &prepared.outputs.pages {
+            staged.push(staging::stage_bytes(path, page.as_bytes())?);
+        }
+    }
+    Ok(staged)
+}
+
+/// The report as JSON.
+pub(super) fn report(path: &Path, report: &Report) -> Result<Staged, Diagnostic> {
+    let text = format!("{:#}\n", to_value(report));
+    staging::stage_bytes(path, text.as_bytes())
+}

@@ -1,0 +1,78 @@
+//! Walks a value along with its schema: numbers out of their range, and settings that name files.
+
+use std::path::PathBuf;
+
+use mimesh_document::{At, Diagnostics, Document, Step, paths::from_base};
+use serde_json::Value;
+
+use super::{SchemaNode, words::violated_range};
+
+/// A setting that names a file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FileSetting {
+    /// Its path in the document.
+    pub path: Vec<Step>,
+    /// The file, as it is written.
+    pub file: PathBuf,
+}
+
+/// Adds a diagnostic for each number at or within `path` that is out of its range.
+pub fn check_ranges(document: &Document, path: &[Step], diagnostics: &mut Diagnostics) {
+    let (Some(value), Some(node)) = (document.get(path), SchemaNode::pipeline().at(&document.value, path)) else {
+        return;
+    };
+    visit(node, value, &mut path.to_vec(), &mut |node, value, path| {
+        let Some(expected) = value.as_f64().and_then(|number| violated_range(node.schema(), number)) else { return };
+        let key = path.iter().rev().find(|step| matches!(step, Step::Key(_))).map(Step::to_string).unwrap_or_default();
+        diagnostics.push(document.diagnostic(path, At::Value, format!("`{key}`: expected {expected}, found {value}")));
+    });
+}
+
+/// The settings within `value`, whose schema is `node`, that name files.
+pub fn file_settings(node: SchemaNode<'_>, value: &Value) -> Vec<FileSetting> {
+    let mut found = Vec::new();
+    visit(node, value, &mut vec![], &mut |node, value, path| {
+        if let Some(text) = value.as_str().filter(|_| node.is_file()) {
+            found.push(FileSetting { path: path.to_vec(), file: text.into() });
+        }
+    });
+    found
+}
+
+/// Makes the paths of all files that settings of `document` name relative to the current folder.
+///
+/// A path is relative to the folder of the file that names it. Returns the settings with their paths as they are now.
+pub fn resolve_files(document: &mut Document) -> Vec<FileSetting> {
+    let mut settings = file_settings(SchemaNode::pipeline(), &document.value);
+    for FileSetting { path, file } in &mut settings {
+        if !file.as_os_str().is_empty() {
+            *file = from_base(document.folder(path), file);
+        }
+        let value = path.iter().try_fold(&mut document.value, |value, step| step.get_mut(value));
+        if let Some(value) = value {
+            *value = file.to_string_lossy().into();
+        }
+    }
+    settings
+}
+
+/// Calls `see` for `value` and every value within it that the schema knows.
+fn visit(
+    node: SchemaNode<'_>,
+    value: &Value,
+    path: &mut Vec<Step>,
+    see: &mut impl FnMut(SchemaNode<'_>, &Value, &[Step]),
+) {
+    see(node, value, path);
+    let entries: Vec<(Step, &Value)> = match value {
+        Value::Object(map) => map.iter().map(|(key, value)| (Step::Key(key.clone()), value)).collect(),
+        Value::Array(list) => list.iter().enumerate().map(|(i, value)| (Step::Index(i), value)).collect(),
+        _ => vec![],
+    };
+    for (step, inner) in entries {
+        let Some(entry) = node.entry(&step, Some(value)) else { continue };
+        path.push(step);
+        visit(entry, inner, path, see);
+        path.pop();
+    }
+}

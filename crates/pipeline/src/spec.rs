@@ -1,0 +1,148 @@
+//! What a pipeline declares, as the types that it is read into.
+
+use std::{collections::BTreeMap, path::PathBuf};
+
+use mimesh_core::stage::{Correspondence, Format, Generator, KeyPoints, Metric, Proximity, Transfer};
+use mimesh_markers::MarkerFiles;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::one_or_many::OneOrMany;
+
+/// A pipeline: a source with its poses, a target, and how the target takes the poses.
+///
+/// Paths are relative to the pipeline's file. Keys that are left out have the defaults told here.
+#[derive(Debug, Default, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Pipeline {
+    /// The mesh that gives its motion, at rest and in its poses.
+    pub source: Source,
+    /// The mesh that takes the motion.
+    pub target: Target,
+    /// How `mimesh keypoints` chooses points on the source, whose partners on the target are then to be found; a run does not
+    /// use it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub key_points: Option<Box<dyn KeyPoints>>,
+    /// Corresponding points: a file with both sides, `.cons` (a count, then `source, target` vertices from 0) or mimesh's
+    /// own `.yaml`; or a file of points for each mesh, `{ source: horse.pp, target: camel.pp }`.
+    ///
+    /// Files of points are MeshLab's `.pp`, Wrap's `.json` and `.txt`, and named points as `.csv` or `.json`; they are
+    /// paired by name, else by order. Points given by position go to the closest place of the surface.
+    ///
+    /// Left out, landmarks of equal names are the markers, where both meshes have landmarks (samples do).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("examples" = ["horse_camel.cons", { "source": "horse.pp", "target": "camel.pp" }]))]
+    pub markers: Option<MarkerFiles>,
+    /// How the components of the target lie to each other; needed by `transfer: { type: multi_component }`, and for
+    /// components without markers to follow those that have them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub proximity: Option<Box<dyn Proximity>>,
+    /// How triangles of source and target are paired; `transfer: { type: biharmonic }` does without.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub correspondence: Option<Box<dyn Correspondence>>,
+    /// Writes the triangle pairs to this JSON file, for `correspondence: { type: from_file, path: … }`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub keep_correspondence: Option<PathBuf>,
+    /// How the motion is carried over.
+    #[schemars(required)]
+    pub transfer: Option<Box<dyn Transfer>>,
+    /// The known results to score against: a file a pose with `{pose}` in its name, or one file that holds all poses.
+    ///
+    /// A target made by a generator brings its own.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("examples" = ["truth/camel-{pose}.obj"]))]
+    pub truth: Option<PathBuf>,
+    /// What to measure of every pose beside the usual metrics, or with other settings than usual; `[]` measures nothing.
+    ///
+    /// docs/metrics.md tells which are usual, and which need the truth.
+    pub metrics: Option<Vec<Box<dyn Metric>>>,
+    /// The largest size of a statistic, whatever its sign, that any pose may have: `METRIC_STATISTIC`, or `METRIC` for the primary one.
+    /// A run that breaks a gate ends with status 3; its results are written.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    #[schemars(extend("examples" = [{ "point_error_p95": 2.0, "flipped_triangles": 0 }]))]
+    pub gates: BTreeMap<String, f64>,
+    /// How the pictures of `report.html` and `.png` outputs are taken.
+    #[serde(default)]
+    pub pictures: PictureSettings,
+    /// Settings of file formats that differ from their defaults, e.g. `[{ type: glb, frames_per_second: 30 }]`.
+    #[serde(default)]
+    pub formats: Vec<Box<dyn Format>>,
+    /// Files to write: for one file a pose a path with `{pose}`, for all poses in one file a path without.
+    ///
+    /// A `.html` is a report to look at, with verdicts, pictures and curves; a `.png` a sheet of pictures of all poses.
+    #[schemars(extend("examples" = [["out/camel-{pose}.obj", "out/camel.glb", "out/report.html"]]))]
+    pub output: OneOrMany,
+}
+
+/// The mesh that gives its motion: files, or a generator.
+#[derive(Debug, Default, Deserialize, Serialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+#[schemars(extend("x-renamed" = { "sample": "generator" }))]
+pub struct Source {
+    /// The mesh at rest.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rest: Option<PathBuf>,
+    /// Its poses: a glob such as `horse-??.obj`, or a list of paths and globs; in natural order, without the rest mesh.
+    ///
+    /// A pose is called what the wildcards stand for, else like its file. Left out, the poses are those that the rest
+    /// file holds (morph targets).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub poses: Option<OneOrMany>,
+    /// Made instead of read.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub generator: Option<Box<dyn Generator>>,
+}
+
+/// The mesh that takes the motion: a file, or a generator.
+#[derive(Debug, Default, Deserialize, Serialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+#[schemars(extend("x-renamed" = { "sample": "generator" }))]
+pub struct Target {
+    /// The mesh at rest.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rest: Option<PathBuf>,
+    /// Made instead of read; its poses are the truth.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub generator: Option<Box<dyn Generator>>,
+}
+
+/// From where the meshes are looked at.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct PictureSettings {
+    /// The side that is seen.
+    pub view: ViewFrom,
+    /// The axis that points up.
+    pub up: Up,
+    /// The axis that points up in the target, where it is another than in the source.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub target_up: Option<Up>,
+}
+
+/// A side to look from; the front is that towards which z points, or with z up, that away from y.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum ViewFrom {
+    /// From the front, turned and raised a little.
+    #[default]
+    ThreeQuarter,
+    /// From the front.
+    Front,
+    /// From the side.
+    Side,
+    /// From above.
+    Top,
+}
+
+/// The axis that points up.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Up {
+    /// As in glTF, Maya and most files of faces and bodies.
+    #[default]
+    Y,
+    /// As in Blender, Unreal and CAD.
+    Z,
+    /// Seldom.
+    X,
+}

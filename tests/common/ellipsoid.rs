@@ -1,0 +1,94 @@
+//! A project of two ellipsoids, for tests of markers.
+
+use std::fmt::Write;
+
+use mimesh::core::mesh::{Mesh, Surface};
+use nalgebra::Point3;
+
+use super::{Output, Project};
+
+/// A sphere of `rings` × `sectors` quads, cut into triangles and stretched by 1, 2 and 3. It is exactly symmetric across x = 0.
+pub fn ellipsoid(rings: usize, sectors: usize) -> (Vec<Point3<f64>>, Vec<[u32; 3]>) {
+    let mut positions = vec![Point3::new(0.0, 0.0, 3.0), Point3::new(0.0, 0.0, -3.0)];
+    let half = sectors / 2;
+    for ring in 1..rings {
+        let polar = std::f64::consts::PI * ring as f64 / rings as f64;
+        for sector in 0..sectors {
+            // One half is computed, the other its mirror image, so that symmetry holds to the last bit.
+            let (k, sign) = if sector < half { (sector, 1.0) } else { (sectors - 1 - sector, -1.0) };
+            let angle = std::f64::consts::PI * (k as f64 + 0.5) / half as f64 - std::f64::consts::FRAC_PI_2;
+            positions.push(Point3::new(
+                sign * polar.sin() * angle.cos(),
+                2.0 * polar.sin() * angle.sin(),
+                3.0 * polar.cos(),
+            ));
+        }
+    }
+    let at = |ring: usize, sector: usize| (2 + (ring - 1) * sectors + sector % sectors) as u32;
+    let mut triangles = Vec::new();
+    for sector in 0..sectors {
+        triangles.push([0, at(1, sector), at(1, sector + 1)]);
+        triangles.push([1, at(rings - 1, sector + 1), at(rings - 1, sector)]);
+        for ring in 1..rings - 1 {
+            let [a, b, c, d] = [at(ring, sector), at(ring + 1, sector), at(ring + 1, sector + 1), at(ring, sector + 1)];
+            triangles.extend([[a, b, c], [a, c, d]]);
+        }
+    }
+    (positions, triangles)
+}
+
+/// Triangles as a mesh and as a surface.
+pub fn mesh(positions: &[Point3<f64>], triangles: &[[u32; 3]]) -> (Mesh, Surface) {
+    let mesh = Mesh::from_triangles(positions.to_vec(), triangles);
+    let surface = Surface::new(&mesh).expect("a surface");
+    (mesh, surface)
+}
+
+/// The ellipsoid of [`project`], scaled by `factor`.
+pub fn scaled(factor: f64) -> (Mesh, Surface) {
+    let (positions, triangles) = ellipsoid(8, 12);
+    mesh(&positions.iter().map(|p| p * factor).collect::<Vec<_>>(), &triangles)
+}
+
+/// The mesh as an OBJ.
+pub fn obj(positions: &[Point3<f64>], triangles: &[[u32; 3]]) -> String {
+    let mut text = String::new();
+    for p in positions {
+        let _ = writeln!(text, "v {} {} {}", p.x, p.y, p.z);
+    }
+    for [a, b, c] in triangles {
+        let _ = writeln!(text, "f {} {} {}", a + 1, b + 1, c + 1);
+    }
+    text
+}
+
+/// A project with the ellipsoid as source and twice as large as target. `p.yaml` takes `markers`.
+pub fn project(markers: &str) -> Project {
+    let project = Project::new();
+    let (positions, triangles) = ellipsoid(8, 12);
+    project.write("source.obj", &obj(&positions, &triangles));
+    let doubled: Vec<_> = positions.iter().map(|p| p * 2.0).collect();
+    project.write("target.obj", &obj(&doubled, &triangles));
+    project.write(
+        "p.yaml",
+        &format!(
+            "source: {{ rest: source.obj, poses: source.obj }}\ntarget: {{ rest: target.obj }}\nmarkers: {markers}\n\
+             correspondence: {{ type: identity }}\ntransfer: {{ type: copy_displacement }}\noutput: out/{{pose}}.obj\n"
+        ),
+    );
+    project
+}
+
+/// The options that name the meshes of [`project`].
+pub const MESHES: [&str; 4] = ["--source", "source.obj", "--target", "target.obj"];
+
+/// Runs `mimesh markers COMMAND FILES OPTIONS`.
+pub fn markers(project: &Project, command: &str, files: &[&str], options: &[&str]) -> Output {
+    project.mimesh(&[&["markers", command][..], files, options].concat())
+}
+
+/// A vertex of the ellipsoid, scaled by `factor`.
+pub fn position(vertex: usize, factor: f64) -> [f64; 3] {
+    let p = ellipsoid(8, 12).0[vertex] * factor;
+    [p.x, p.y, p.z]
+}
