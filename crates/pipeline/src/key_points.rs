@@ -129,9 +129,9 @@ pub fn curve(steps: &[ChoiceStep]) -> String {
     let most = steps.iter().map(|step| step.points.len()).max().unwrap_or(1);
     let highest = steps.iter().map(|step| step.error).fold(0.0, f64::max);
     let axes = Axes {
-        title: "Mean distance to the poses, the source in the unit sphere",
+        title: "Mean distance to the poses",
         x: "key points",
-        y: "",
+        y: "source in the unit sphere",
         upto: [most as f64, round_up(highest)],
         counts: true,
         limit: None,

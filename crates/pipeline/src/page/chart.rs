@@ -208,9 +208,10 @@ fn round(value: f64) -> f64 {
     (value * 10.0).round() / 10.0
 }
 
-/// Returns at most six whole numbers from 1 to `end`.
+/// Returns at most six whole numbers from 1 on, and `end` besides if there is room for it.
 fn counts(end: usize) -> Vec<f64> {
-    let step = [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000].into_iter().find(|step| end / step < 6).unwrap_or(end);
+    let step =
+        [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000].into_iter().find(|step| end.div_ceil(*step) <= 6).unwrap_or(end);
     let mut all: Vec<f64> = (1..=end).step_by(step).map(|k| k as f64).collect();
     if end > 1 && all.last() != Some(&(end as f64)) && (end - 1) % step >= step / 2 {
         all.push(end as f64);
@@ -268,6 +269,13 @@ mod tests {
             let name = &variable["var(".len()..variable.len() - 1];
             assert!(light.contains(&format!("{name}: {colour};")), "{name}");
         }
+    }
+
+    #[test]
+    fn counts_are_few_and_reach_from_one_to_the_end() {
+        assert_eq!(counts(1), [1.0]);
+        assert_eq!(counts(12), [1.0, 3.0, 5.0, 7.0, 9.0, 11.0, 12.0]);
+        assert_eq!(counts(100), [1.0, 21.0, 41.0, 61.0, 81.0, 100.0]);
     }
 
     #[test]
