@@ -112,7 +112,7 @@ fn a_target_inside_out_is_a_warning() {
         "check",
         0,
         "
-warning: the target (target.obj) is inside out: its faces point inwards, those of the other mesh outwards; reverse its faces if few triangles correspond
+warning: the target (target.obj) is inside out against the source (rest.obj): its faces point inwards, those of the source outwards; stages see both outwards, and results keep the faces of the file
 ",
     );
 }

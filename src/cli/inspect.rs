@@ -186,6 +186,7 @@ fn parts(sequence: &MeshSequence) -> String {
 fn defects(s: &Statistics) -> Vec<String> {
     let non_manifold = "edge of more than two triangles";
     [
+        (s.inward_components.len(), "component inside out", "components inside out"),
         (s.non_manifold_edges, non_manifold, "edges of more than two triangles (non-manifold)"),
         (s.degenerate_triangles, "triangle without area", "triangles without area"),
         (s.duplicate_polygons, "duplicate polygon", "duplicate polygons"),

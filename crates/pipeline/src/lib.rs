@@ -13,6 +13,7 @@ pub mod check;
 pub mod compose;
 pub mod formats;
 pub mod globs;
+mod handedness;
 pub mod input;
 mod json;
 pub mod key_points;

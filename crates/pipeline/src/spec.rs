@@ -104,6 +104,38 @@ pub struct Target {
     /// Made instead of read; its poses are the truth.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub generator: Option<Box<dyn Generator>>,
+    /// The target is a mirror image: what lies on one side of the source lies on the other side of the target along this axis.
+    ///
+    /// Stages then see its mirror image, and results are mirrored back.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mirrored: Option<Axis>,
+}
+
+/// An axis of the coordinates.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Axis {
+    /// The first coordinate.
+    X,
+    /// The second coordinate.
+    Y,
+    /// The third coordinate.
+    Z,
+}
+
+impl Axis {
+    /// All axes, by number.
+    pub const ALL: [Self; 3] = [Self::X, Self::Y, Self::Z];
+
+    /// Its number: 0 to 2.
+    pub fn index(self) -> usize {
+        self as usize
+    }
+
+    /// Its name, as in YAML.
+    pub fn name(self) -> &'static str {
+        ["x", "y", "z"][self.index()]
+    }
 }
 
 /// From where the meshes are looked at.

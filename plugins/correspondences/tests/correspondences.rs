@@ -209,8 +209,20 @@ fn surfaces_that_are_inside_out_are_warned_about() {
 fn identity_refuses_another_topology_and_says_where_it_differs() {
     let (a, mut b) = (potato(2), potato(2));
     assert!(error_of(&Identity {}, &a, &potato(1), &[]).starts_with("source and target have 320 and 80 triangles"));
-    b.triangles[9].rotate_left(1);
+    b.triangles[9][0] = b.triangles[200][0];
     assert!(error_of(&Identity {}, &a, &b, &[]).contains("triangle 9 (from 0) differs"));
+}
+
+#[test]
+fn identity_tells_which_corners_are_one_where_their_order_differs() {
+    let source = potato(2);
+    let mut target = potato(2);
+    target.triangles.iter_mut().for_each(|t| t.reverse());
+    let pair = TransferPair { source: &source, target: &target, markers: &[], proximity: None };
+    let map = Identity {}.correspond(pair).unwrap();
+    let same: Vec<_> = (0..source.vertex_count() as u32).map(|v| Some(SurfacePoint::Vertex(v))).collect();
+    assert_eq!(map.points, same);
+    assert!(map.triangles.iter().enumerate().all(|(t, partner)| *partner == Some(t as u32)));
 }
 
 #[test]

@@ -2,9 +2,10 @@
 
 use mimesh_core::{
     Figures, Result, register,
+    spatial::{MIRRORED, mirror_gain, whitened},
     stage::{BoundMetric, Measured, Metric, MetricContext, MetricInput, Statistic, TransferPair},
 };
-use nalgebra::{DMatrix, Matrix3, Point3, Vector3};
+use nalgebra::{DMatrix, Point3, Vector3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -29,8 +30,9 @@ register!(Metric: MarkerFit);
 /// The outlier is the largest score over the median score, both plus 0.1 % of the diagonal. If that marker's residual is below 15 %
 /// of the diagonal, it counts in proportion: a marker that stands out by little is a hump of the body.
 ///
-/// Fewer than eight markers have no statistics. Markers nearly in a plane, spread across it by less than 1/50 of their spread along
-/// it, lack those that need three dimensions. Of more than 600 markers every n-th is used. All poses have the same statistics.
+/// In place of fewer than eight markers, points of the map tell left from right, and no more. Markers nearly in a plane, spread across
+/// it by less than 1/50 of their spread along it, lack the statistics that need three dimensions. Of more than 600 markers every n-th
+/// is used. All poses have the same statistics.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema, Serialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct MarkerFit {}
@@ -39,8 +41,6 @@ pub struct MarkerFit {}
 const MIN_MARKERS: usize = 8;
 /// The largest number of markers that are used, since the work grows with the third power.
 const MAX_MARKERS: usize = 600;
-/// The smallest spread across points, relative to that along them; flatter ones lie in a plane.
-const MIN_THICKNESS: f64 = 0.02;
 /// The residual from which an outlier counts in full, in percent of the diagonal.
 const FULL_RESIDUAL: f64 = 15.0;
 
@@ -52,6 +52,9 @@ impl Metric for MarkerFit {
             pair.check_markers()?;
             let diagonal = diagonal::of_target(context.rest)?;
             fit(pair, diagonal, &mut statistics);
+        } else if let Some((pair, map)) = context.pair.zip(context.map) {
+            let [source, target] = map.sample(pair)?;
+            set_mirrored(mirror_gain(&source, &target), &mut statistics);
         }
         Ok(Box::new(Bound { context, statistics }))
     }
@@ -103,10 +106,7 @@ fn fit(pair: TransferPair<'_>, diagonal: f64, statistics: &mut Figures) {
     let used = || pair.markers.iter().step_by(step);
     let source: Vec<_> = used().map(|m| m.source.position(pair.source, &pair.source.positions)).collect();
     let target: Vec<_> = used().map(|m| m.target.position(pair.target, &pair.target.positions)).collect();
-    if let Some(gain) = mirror_gain(&source, &target) {
-        statistics.set("mirrored", u8::from(gain > 1.2));
-        statistics.set("mirror_gain", gain);
-    }
+    set_mirrored(mirror_gain(&source, &target), statistics);
     let Some(misfits) = misfits(&source, &target) else { return };
     let all: Vec<f64> = misfits.iter().map(|misfit| misfit.score).collect();
     let (Some(scores), Some(worst)) = (Distribution::unweighted(all.iter().copied()), first_largest(&all)) else {
@@ -123,6 +123,14 @@ fn fit(pair: TransferPair<'_>, diagonal: f64, statistics: &mut Figures) {
     statistics.set("residual_p50", residuals.percentile(0.5));
     statistics.set("residual_max", residuals.max());
     statistics.set("worst", step * worst);
+}
+
+/// Sets the statistics of left and right.
+fn set_mirrored(gain: Option<f64>, statistics: &mut Figures) {
+    if let Some(gain) = gain {
+        statistics.set("mirrored", u8::from(gain > MIRRORED));
+        statistics.set("mirror_gain", gain);
+    }
 }
 
 /// How badly a marker fits the others.
@@ -158,34 +166,6 @@ fn misfits(source: &[Point3<f64>], target: &[Point3<f64>]) -> Option<Vec<Misfit>
         Misfit { residual: sum.norm() / certainty, score: sum.norm() / certainty.sqrt() }
     };
     Some((0..n).map(misfit).collect())
-}
-
-/// The residual of the best rotation over that of the best reflection, without place, size and proportions of both sides; `None` if
-/// one lies in a plane.
-fn mirror_gain(source: &[Point3<f64>], target: &[Point3<f64>]) -> Option<f64> {
-    let ((s, _), (t, _)) = (whitened(source)?, whitened(target)?);
-    let mean = t.iter().zip(&s).map(|(t, s)| t * s.transpose()).sum::<Matrix3<f64>>() / s.len() as f64;
-    let mut values: Vec<f64> = mean.singular_values().iter().copied().collect();
-    values.sort_by(|a, b| b.total_cmp(a));
-    let (both, third) = (values[0] + values[1], values[2] * mean.determinant().signum());
-    let residual = |third: f64| (6.0 - 2.0 * (both + third)).max(0.0) + 0.01;
-    Some((residual(third) / residual(-third)).sqrt())
-}
-
-/// The points moved and scaled to mean 0 and covariance 1, and their spread along the longest direction before; `None` if they lie
-/// in a plane.
-fn whitened(points: &[Point3<f64>]) -> Option<(Vec<Vector3<f64>>, f64)> {
-    let mean = points.iter().map(|p| p.coords).sum::<Vector3<f64>>() / points.len() as f64;
-    let covariance =
-        points.iter().map(|p| p.coords - mean).map(|d| d * d.transpose()).sum::<Matrix3<f64>>() / points.len() as f64;
-    let eigen = covariance.symmetric_eigen();
-    let (low, high) = (eigen.eigenvalues.min(), eigen.eigenvalues.max());
-    if low <= MIN_THICKNESS * MIN_THICKNESS * high {
-        return None;
-    }
-    let roots = Matrix3::from_diagonal(&eigen.eigenvalues.map(|x| 1.0 / x.sqrt()));
-    let root = eigen.eigenvectors * roots * eigen.eigenvectors.transpose();
-    Some((points.iter().map(|p| root * (p.coords - mean)).collect(), high.sqrt()))
 }
 
 #[cfg(test)]

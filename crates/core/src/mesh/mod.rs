@@ -7,6 +7,7 @@
 mod attributes;
 mod bounds;
 mod mesh_point;
+mod outward;
 mod polygon_mesh;
 mod polygons;
 mod sequence;
@@ -19,6 +20,7 @@ mod weld;
 pub use attributes::{CornerAttribute, Material, Part};
 pub use bounds::{bounding_box, check_finite, diagonal};
 pub use mesh_point::MeshPoint;
+pub use outward::inward_components;
 pub use polygon_mesh::{Document, Mesh};
 pub use polygons::Polygons;
 pub use sequence::{Animation, Landmark, MeshSequence, Pose};

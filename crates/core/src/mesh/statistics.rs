@@ -3,7 +3,7 @@ use std::collections::HashSet;
 use nalgebra::Point3;
 use serde::Serialize;
 
-use super::{Mesh, Surface, bounding_box};
+use super::{Mesh, Surface, bounding_box, inward_components};
 use crate::{Result, operators::is_degenerate};
 
 /// Counts and sizes of a mesh, and its defects that a solver may stumble over.
@@ -39,6 +39,8 @@ pub struct Statistics {
     pub diagonal: f64,
     /// Area of all triangles.
     pub area: f64,
+    /// The components whose triangles point inwards ([`inward_components`]), by their places in `component_sizes`.
+    pub inward_components: Vec<u32>,
     /// Volume enclosed, positive if triangles face outwards; only if there is no boundary.
     pub volume: Option<f64>,
 }
@@ -92,6 +94,7 @@ impl Statistics {
             bounding_box: [low.into(), high.into()],
             diagonal,
             area: area_normals.iter().map(|n| n.norm() / 2.0).sum(),
+            inward_components: inward_components(&surface),
             volume: topology.boundary.is_empty().then(|| volume.sum()),
         })
     }

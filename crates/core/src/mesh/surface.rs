@@ -137,6 +137,21 @@ impl Surface {
         words.join(", ")
     }
 
+    /// Turns the triangles of the components numbered `which` the other way round.
+    pub fn turn_components(&mut self, which: &[u32]) {
+        let components = self.components();
+        let is_turned = |t: &&mut [u32; 3]| components.of_vertex[t[0] as usize].is_some_and(|c| which.contains(&c));
+        self.triangles.iter_mut().filter(is_turned).for_each(|t| t.swap(1, 2));
+    }
+
+    /// The mirror image on the other side of the plane through the origin across `axis` (0 to 2), its triangles outwards as before.
+    pub fn mirrored(&self, axis: usize) -> Self {
+        let mut image = self.clone();
+        image.positions.iter_mut().for_each(|p| p[axis] = -p[axis]);
+        image.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+        image
+    }
+
     /// The corners of triangle `triangle` when the vertices are at `positions`.
     pub fn corners(&self, positions: &[Point3<f64>], triangle: usize) -> [Point3<f64>; 3] {
         self.triangles[triangle].map(|v| positions[v as usize])

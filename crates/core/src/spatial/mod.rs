@@ -1,11 +1,13 @@
-//! Spatial search: closest points of a surface, nearest neighbours, paths along it, similarity transforms.
+//! Spatial search: closest points of a surface, nearest neighbours, paths along it, similarity transforms, mirror images.
 
 mod closest_point;
 mod edge_paths;
+mod handedness;
 mod nearest;
 mod similarity;
 
 pub use closest_point::{ClosestPoint, OnSurface};
 pub use edge_paths::EdgePaths;
+pub use handedness::{MIRRORED, mirror_gain, whitened};
 pub use nearest::Nearest;
 pub use similarity::{Orientation, Similarity};

@@ -1,3 +1,4 @@
+use nalgebra::Point3;
 use serde::{Deserialize, Serialize};
 
 use super::TransferPair;
@@ -88,6 +89,19 @@ impl TriangleMap {
             point.unwrap_or_else(|| known[nearest.find(place).0 as usize].1)
         };
         Ok(points.iter().zip(&target.positions).map(point).collect())
+    }
+
+    /// Positions of some 2,000 vertices of the target, evenly among all, behind those of their source points.
+    ///
+    /// # Errors
+    ///
+    /// The errors of [`check`](Self::check).
+    pub fn sample(&self, pair: TransferPair<'_>) -> Result<[Vec<Point3<f64>>; 2]> {
+        const MAX_POINTS: usize = 2000;
+        let step = pair.target.vertex_count().div_ceil(MAX_POINTS).max(1);
+        let points = self.source_points(pair)?;
+        let source = points.iter().step_by(step).map(|point| point.position(pair.source, &pair.source.positions));
+        Ok([source.collect(), pair.target.positions.iter().step_by(step).copied().collect()])
     }
 
     /// Number of target triangles without a partner.

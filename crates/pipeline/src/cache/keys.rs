@@ -211,7 +211,7 @@ fn hash_of_mesh(mesh: &RestMesh) -> String {
         numbers.iter().for_each(|n| _ = hasher.update(&n.to_le_bytes()));
     }
     triangles.iter().flatten().for_each(|n| _ = hasher.update(&n.to_le_bytes()));
-    hasher.update(&to_bytes(&(part_names, other_names)));
+    hasher.update(&to_bytes(&(part_names, other_names, mesh.mirror_axis())));
     hasher.finalize().to_hex().to_string()
 }
 

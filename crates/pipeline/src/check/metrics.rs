@@ -108,7 +108,7 @@ pub(super) fn check_bound(
     target: &RestMesh,
     markers: &[Marker],
 ) {
-    let pair = TransferPair { source: &source.surface, target: &target.surface, markers, proximity: None };
+    let pair = TransferPair { source: &source.surface, target: target.seen_surface(), markers, proximity: None };
     let context = MetricContext { rest: &target.sequence.rest, surface: &target.surface, pair: Some(pair), map: None };
     let named = scope.document.value.get("metrics").and_then(Value::as_array);
     for (i, settings) in named.into_iter().flatten().enumerate() {

@@ -11,7 +11,11 @@ use crate::{input::RestMesh, spec::Target};
 
 /// The target, as far as it can be had.
 pub(super) fn target(scope: Scope<'_>, found: &mut Findings, target: &Target) -> Option<RestMesh> {
-    rest_mesh(scope, found, "target", target.rest.as_deref(), target.generator.as_deref())
+    let mesh = rest_mesh(scope, found, "target", target.rest.as_deref(), target.generator.as_deref())?;
+    Some(match target.mirrored {
+        Some(axis) => mesh.mirrored(axis),
+        None => mesh,
+    })
 }
 
 /// The mesh of the slot `name`, read or made, as far as it can be had.
@@ -84,19 +88,42 @@ fn read(scope: Scope<'_>, found: &mut Findings, name: &str, file: &Path) -> Opti
     }
 }
 
-/// Warns if one of the two has its faces turned the other way round: correspondences look at where faces point.
+/// Warns of meshes that are turned against each other, and of single components that point inwards.
+///
+/// Stages see them outwards. Two meshes that both point inwards as a whole are told nothing, since they lie to each other as they
+/// should.
 pub(super) fn check_inside_out(found: &mut Findings, source: Option<&RestMesh>, target: Option<&RestMesh>) {
-    let (Some(source), Some(target)) = (source, target) else { return };
-    if let (Some(of_source), Some(of_target)) = (source.volume(), target.volume())
-        && of_source * of_target < 0.0
-    {
-        let (name, mesh) = if of_source < 0.0 { ("source", source) } else { ("target", target) };
-        let file = mesh.path.as_ref().map(|path| format!(" ({})", path.display())).unwrap_or_default();
+    for (name, mesh) in [("source", source), ("target", target)] {
+        let Some(mesh) = mesh.filter(|mesh| !mesh.inward_components.is_empty() && !mesh.is_inside_out()) else {
+            continue;
+        };
+        let components = mesh.surface.components();
+        let which: Vec<usize> = mesh.inward_components.iter().map(|c| *c as usize).collect();
         found.warnings.push(format!(
-            "the {name}{file} is inside out: its faces point inwards, those of the other mesh outwards; reverse its faces if few \
-             triangles correspond"
+            "{} of the {} components of the {name}{} are inside out; stages see them turned, and results keep the faces of the file: {}",
+            which.len(),
+            components.count(),
+            file_of(mesh),
+            mesh.surface.describe_components(&components, &which)
         ));
     }
+    let (Some(source), Some(target)) = (source, target) else { return };
+    if source.is_inside_out() != target.is_inside_out() {
+        let way = |mesh: &RestMesh| if mesh.is_inside_out() { "inwards" } else { "outwards" };
+        found.warnings.push(format!(
+            "the target{} is inside out against the source{}: its faces point {}, those of the source {}; stages see both outwards, \
+             and results keep the faces of the file",
+            file_of(target),
+            file_of(source),
+            way(target),
+            way(source)
+        ));
+    }
+}
+
+/// The file of a mesh in brackets, if it has one.
+fn file_of(mesh: &RestMesh) -> String {
+    mesh.path.as_ref().map(|path| format!(" ({})", path.display())).unwrap_or_default()
 }
 
 /// The diagnostic of an error about the contents of `file`.

@@ -31,6 +31,7 @@ use crate::{
     cache::{Cache, proximity_key},
     compose::{self, Run, Runs, Variant},
     formats::Formats,
+    handedness,
     input::{FileHashes, Prepared, ProximityInput, RestMesh},
     parse::{Parsed, Required, parse},
     report::Clock,
@@ -126,6 +127,7 @@ fn prepare_one(
     let gates = gates(scope, found_mut, &pipeline.gates, &metrics, &truth);
     if let (Some(source), Some(target), Some(markers)) = (&source, &target, &markers) {
         check_bound(scope, found_mut, &metrics, source, target, markers);
+        found_mut.warnings.extend(handedness::warning_of_markers(source, target, markers));
     }
     check_files(scope, found_mut, &files);
     let meshes = source.as_deref().zip(target.as_deref());

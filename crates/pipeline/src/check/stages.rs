@@ -22,7 +22,7 @@ pub(super) fn check_stages(
     proximity: Option<&ProximityGraph>,
 ) {
     let [source, target] = meshes;
-    let pair = TransferPair { source: &source.surface, target: &target.surface, markers, proximity };
+    let pair = TransferPair { source: &source.surface, target: target.seen_surface(), markers, proximity };
     if let Some(correspondence) = &pipeline.correspondence
         && let Err(error) = correspondence.check(pair)
     {

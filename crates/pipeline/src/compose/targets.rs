@@ -8,7 +8,7 @@ use mimesh_document::{
 };
 use serde_json::{Map, Value};
 
-use crate::{compose::names::refused, parse::slots as pipeline_slots};
+use crate::{compose::names::refused, parse::slots as pipeline_slots, schema::SchemaNode};
 
 /// A target with what differs for it.
 #[derive(Debug)]
@@ -71,9 +71,10 @@ pub(super) fn take(document: &mut Document, diagnostics: &mut Diagnostics) -> Op
 
 /// What an entry says, as a pipeline: the mesh under `target`, the rest as it is.
 fn own(document: &Document, at: &[Step], entry: &Map<String, Value>, diagnostics: &mut Diagnostics) -> Document {
-    const MESH: [&str; 2] = ["rest", "generator"];
+    let of_mesh = SchemaNode::pipeline().entry(&Step::Key("target".into()), None).map(|node| node.properties(None));
+    let of_mesh: Vec<&str> = of_mesh.unwrap_or_default().into_iter().map(|(key, _)| key).collect();
     let slots = pipeline_slots().into_iter().filter(|slot| *slot != "target").chain(["variables"]);
-    let known: Vec<&str> = MESH.into_iter().chain(slots).collect();
+    let known: Vec<&str> = of_mesh.iter().copied().chain(slots).collect();
     let span = document.span(at, At::Value).clone();
     let folder = document.folder(at).clone();
     let whole = SpanTree::leaf(span.clone(), folder.clone());
@@ -84,7 +85,7 @@ fn own(document: &Document, at: &[Step], entry: &Map<String, Value>, diagnostics
         let at = [at, &[Step::Key(key.clone())]].concat();
         let step = Step::Key(key.clone());
         let part = SpanEntry { step, key: document.span(&at, At::Key).clone(), node: node_at(document, &at) };
-        if MESH.contains(&key.as_str()) {
+        if of_mesh.contains(&key.as_str()) {
             mesh_node.put(part);
             mesh.insert(key.clone(), value.clone());
         } else if known.contains(&key.as_str()) {

@@ -313,7 +313,8 @@ fn posed_target(
             "{opened} vertices of the source lie on a seam that is closed at rest and opens in this pose; it is taken for closed: move the two sides apart a little in the rest mesh if they are to open"
         ));
     }
-    let positions = prepared.target.surface.to_mesh(&transferred.positions)?;
+    let target = &prepared.target;
+    let positions = target.surface.to_mesh(&target.from_seen(transferred.positions))?;
     check_finite(&positions).map_err(|error| {
         let hint =
             "the method cannot cope with this pose; look at it, and at degenerate triangles with `mimesh inspect`";

@@ -11,6 +11,7 @@ use mimesh_markers::IntoDiagnostic;
 
 use crate::{
     cache::{Cache, PoseCache, TransferSummary},
+    handedness,
     input::{Prepared, read_evenly_spaced},
     plan::CachedRun,
     progress::Progress,
@@ -55,7 +56,7 @@ impl<'a> Stages<'a> {
         let Prepared { source, target, markers, proximity, .. } = self.prepared;
         TransferPair {
             source: &source.surface,
-            target: &target.surface,
+            target: target.seen_surface(),
             markers,
             proximity: proximity.as_ref().map(|proximity| &proximity.graph),
         }
@@ -88,6 +89,10 @@ impl<'a> Stages<'a> {
             let mut map = correspondence.correspond(self.pair())?;
             map.check(self.pair())?;
             map.figures.set("orphans", map.orphan_count());
+            let axis = self.prepared.target.mirror_axis();
+            if let Some(warning) = handedness::warning_of_map(self.pair(), &map, axis)? {
+                map.figures.warn(warning);
+            }
             let figures = map.figures.clone();
             Ok((map, figures))
         })?;
