@@ -90,8 +90,8 @@ fn run(case: &Case, transfer: &str) -> Score {
         .enumerate()
         .map(|(k, &(s, t))| Marker {
             name: k.to_string(),
-            source: SurfacePoint::Vertex(case.source.vertex_of[s as usize]),
-            target: SurfacePoint::Vertex(target.vertex_of[t as usize]),
+            source: SurfacePoint::Vertex(case.source.vertex_of[s as usize].expect("a vertex of a polygon")),
+            target: SurfacePoint::Vertex(target.vertex_of[t as usize].expect("a vertex of a polygon")),
         })
         .collect();
     let tree: Box<dyn Proximity> = serde_json::from_str(r#"{ "type": "spanning_tree" }"#).unwrap();

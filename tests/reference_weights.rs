@@ -55,7 +55,7 @@ fn reference() -> Option<Reference> {
     let text = std::fs::read_to_string(folder.join("bbw.json")).expect("handles and energies");
     let json: serde_json::Value = serde_json::from_str(&text).expect("JSON");
     let handles = json["handles"].as_array().expect("handles").iter().filter_map(|v| Some(v.as_u64()? as usize));
-    let points = handles.map(|v| SurfacePoint::Vertex(surface.vertex_of[v])).collect();
+    let points = handles.map(|v| SurfacePoint::Vertex(surface.vertex_of[v].expect("a vertex of a polygon"))).collect();
     let energies = json["energy"].as_array().expect("energies").iter().filter_map(|e| e.as_f64()).collect();
     Some(Reference { surface, points, energies, weights: npy(&folder.join("bbw-weights.npy")) })
 }

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use mimesh_core::mesh::{Mesh, Surface, diagonal};
+use mimesh_core::mesh::{Mesh, Surface};
 use mimesh_document::diagnostic::{Diagnostic, Kind, Result};
 use mimesh_markers::IntoDiagnostic;
 use mimesh_pipeline::{
@@ -81,7 +81,7 @@ impl Score {
         limits.iter().try_for_each(|limit| check_statistic(&limit.statistic, &summary))?;
         if self.json {
             terminal::print_json(&json!({
-                "diagonal": diagonal(&rest.positions), "poses": poses_json(&poses, &results, &truths),
+                "diagonal": rest.diagonal(), "poses": poses_json(&poses, &results, &truths),
                 "over_poses": summary,
             }));
         } else {

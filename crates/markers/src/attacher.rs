@@ -83,13 +83,15 @@ impl<'a> Attacher<'a> {
         let surface = self.mesh.surface;
         let vertex = match point {
             MeshPoint::Triangle(triangle, barycentric) => return (triangle, barycentric),
-            MeshPoint::Vertex(vertex) => surface.vertex_of[vertex as usize],
+            MeshPoint::Vertex(vertex) => vertex as usize,
         };
-        match surface.triangles.iter().position(|corners| corners.contains(&vertex)) {
-            Some(t) => (t as u32, surface.triangles[t].map(|corner| f64::from(u8::from(corner == vertex)))),
+        let on_surface = surface.vertex_of[vertex];
+        let around = |corners: &[u32; 3]| on_surface.is_some_and(|v| corners.contains(&v));
+        match surface.triangles.iter().position(around) {
+            Some(t) => (t as u32, surface.triangles[t].map(|corner| f64::from(u8::from(Some(corner) == on_surface)))),
             None => {
-                // A vertex without triangles: the nearest place that has one.
-                let found = self.closest.find(&surface.positions[vertex as usize], f64::INFINITY, |_| true);
+                // A vertex that no face uses: the nearest place on one.
+                let found = self.closest.find(&self.mesh.mesh.positions[vertex], f64::INFINITY, |_| true);
                 found.map_or((0, [1.0, 0.0, 0.0]), |found| (found.triangle, found.barycentric))
             }
         }

@@ -72,14 +72,17 @@ pub fn check(mesh: MarkerMesh<'_>, points: &[IndexedPoint]) -> Diagnostics {
     Diagnostics { list: each.collect() }
 }
 
-/// In words that `mesh` has no such vertex or triangle; `None` if it has.
+/// In words that `mesh` has no such vertex or triangle, or no face uses the vertex; `None` if it is a point of the surface.
 pub fn missing(mesh: MarkerMesh<'_>, point: MeshPoint) -> Option<String> {
     let (kind, index, count) = match point {
         MeshPoint::Vertex(vertex) => ("vertex", vertex, mesh.mesh.positions.len()),
         MeshPoint::Triangle(triangle, _) => ("triangle", triangle, mesh.surface.triangle_count()),
     };
     let last = count.saturating_sub(1);
-    (index as usize >= count).then(|| format!("the {} has no {kind} {index}: expected 0 to {last}", mesh.role))
+    if index as usize >= count {
+        return Some(format!("the {} has no {kind} {index}: expected 0 to {last}", mesh.role));
+    }
+    mesh.surface.point(point).is_none().then(|| format!("{kind} {index} of the {} belongs to no polygon", mesh.role))
 }
 
 /// Whether the only wrong vertex is the number of vertices, and vertex 0 never occurs.

@@ -93,7 +93,7 @@ impl MarkerMesh<'_> {
             }
             MeshPoint::Triangle(..) => Vector3::zeros(),
             MeshPoint::Vertex(vertex) => {
-                let Some(vertex) = surface.vertex_of.get(vertex as usize) else { return Vector3::zeros() };
+                let Some(Some(vertex)) = surface.vertex_of.get(vertex as usize) else { return Vector3::zeros() };
                 let around = (0..surface.triangle_count()).filter(|t| surface.triangles[*t].contains(vertex));
                 around.map(|triangle| self.triangle_normal(triangle)).sum()
             }

@@ -43,11 +43,22 @@ impl Facing {
 
     /// The closest valid point nearer than `limit`.
     pub fn find(&self, point: &Point3<f64>, normal: &Vector3<f64>, limit: f64) -> Option<OnSurface> {
-        let same_way = |t: u32| self.normals[t as usize].is_some_and(|n| n.dot(normal) > 0.0);
-        let found = self.search.find(point, limit, same_way);
+        let found = self.find_among(point, normal, limit, |_| true);
         let Some(depth) = self.inner_depth else { return found };
         let reach = found.map_or(limit, |found| found.distance - depth);
         self.search.find(point, reach, |t| self.normals[t as usize].is_some()).or(found)
+    }
+
+    /// The closest point nearer than `limit` on a triangle that `accept` takes and whose normal is less than 90 degrees from `normal`.
+    pub fn find_among(
+        &self,
+        point: &Point3<f64>,
+        normal: &Vector3<f64>,
+        limit: f64,
+        accept: impl Fn(u32) -> bool,
+    ) -> Option<OnSurface> {
+        let same_way = |t: u32| self.normals[t as usize].is_some_and(|n| n.dot(normal) > 0.0);
+        self.search.find(point, limit, |t| same_way(t) && accept(t))
     }
 
     /// For each vertex the closest valid point of the source nearer than `limit`.

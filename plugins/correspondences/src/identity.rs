@@ -33,8 +33,10 @@ impl Correspondence for Identity {
         }
         // Corners of one number are not one corner, so that it must be told which are.
         let mut points = vec![None; target.vertex_count()];
-        for (&a, &b) in source.vertex_of.iter().zip(&target.vertex_of) {
-            points[b as usize].get_or_insert(SurfacePoint::Vertex(a));
+        for (a, b) in source.vertex_of.iter().zip(&target.vertex_of) {
+            if let (&Some(a), &Some(b)) = (a, b) {
+                points[b as usize].get_or_insert(SurfacePoint::Vertex(a));
+            }
         }
         Ok(TriangleMap { points, ..map })
     }
@@ -67,7 +69,8 @@ impl Correspondence for Identity {
 
 /// The vertices of both surfaces that any vertex of the files became: seams may be welded on one side only.
 fn partners(pair: TransferPair<'_>) -> HashSet<(u32, u32)> {
-    pair.source.vertex_of.iter().copied().zip(pair.target.vertex_of.iter().copied()).collect()
+    let both = pair.source.vertex_of.iter().zip(&pair.target.vertex_of);
+    both.filter_map(|(source, target)| Some(((*source)?, (*target)?))).collect()
 }
 
 /// Whether corners of one number are partners.

@@ -5,3 +5,4 @@ pub mod from_file;
 pub mod identity;
 pub mod nearest;
 pub mod nonrigid_fit;
+mod sides;

@@ -10,7 +10,7 @@ use mimesh_core::{
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::facing::Facing;
+use crate::{facing::Facing, sides::keep_sides};
 
 register!(Correspondence: Nearest);
 
@@ -39,7 +39,8 @@ impl Correspondence for Nearest {
         let facing = Facing::new(&source.positions, &source.triangles)?;
         let limit = self.max_distance * target.diagonal();
         let normals = vertex_normals(&target.positions, &target.triangles);
-        let points = facing.points(&target.positions, &normals, limit);
+        let mut points = facing.points(&target.positions, &normals, limit);
+        keep_sides(pair, &source.positions, &target.positions, &facing, limit, &mut points);
         let triangles = facing.triangles(&target.positions, &target.triangles, limit);
         let mut figures = Figures::default();
         figures.set("vertices_with_a_point", points.iter().flatten().count());

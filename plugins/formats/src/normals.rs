@@ -28,7 +28,7 @@ impl PosedNormals {
     /// Corners for which the file gives no normal are smooth: all of one welded vertex form a group.
     pub fn new(mesh: &Mesh, rest: &[Point3<f64>]) -> Self {
         let welded = Surface::new(mesh).map(|surface| surface.vertex_of).unwrap_or_default();
-        let place = |vertex: u32| welded.get(vertex as usize).copied().unwrap_or(vertex);
+        let place = |vertex: u32| welded.get(vertex as usize).copied().flatten().unwrap_or(vertex);
         let none = CornerAttribute::default();
         let normals = mesh.normals.as_ref().unwrap_or(&none);
         let distinct = distinct(&normals.values);

@@ -161,11 +161,13 @@ fn on_surface(name: &str, rim: &str, vertices: &[u32], surface: &Surface) -> Res
     }
     let count = surface.vertex_of.len();
     let vertex = |&v: &u32| {
-        surface.vertex_of.get(v as usize).copied().ok_or_else(|| {
-            Error::data(
-                format!("closure pair {name}: the {rim} rim has no vertex {v}: expected 0 to {}", count - 1),
-                "vertices count from 0, as in the file; were source and target swapped?",
-            )
+        surface.vertex_of.get(v as usize).copied().flatten().ok_or_else(|| {
+            let message = if (v as usize) < count {
+                format!("closure pair {name}: vertex {v} of the {rim} rim belongs to no polygon")
+            } else {
+                format!("closure pair {name}: the {rim} rim has no vertex {v}: expected 0 to {}", count - 1)
+            };
+            Error::data(message, "vertices count from 0, as in the file; were source and target swapped?")
         })
     };
     vertices.iter().map(vertex).collect()

@@ -22,8 +22,8 @@ register!(Metric: PointError);
 /// Beside its statistics it gives the curve `within`: for k = 1 … 50 the share of vertices, in percent, with an error of at most
 /// 10 (k / 50)² %. That is figure 14 of the 2018 paper, with most points where good results lie.
 ///
-/// It counts the vertices and components of the file, like other programs; a vertex that no polygon uses is a component of its own.
-/// Vertices of the result that are not finite are left out. The field is the error of each vertex.
+/// It counts the vertices and components of the file, like other programs. Vertices that no polygon uses, and vertices of the result
+/// that are not finite, are left out. The field is the error of each vertex.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema, Serialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct PointError {}
@@ -32,7 +32,8 @@ pub struct PointError {}
 impl Metric for PointError {
     fn bind<'a>(&self, context: MetricContext<'a>) -> Result<Box<dyn BoundMetric + 'a>> {
         let diagonal = diagonal::of_target(context.rest)?;
-        Ok(Box::new(Bound { context, diagonal, labels: components(context.rest) }))
+        let used = context.rest.used_vertices();
+        Ok(Box::new(Bound { context, diagonal, labels: components(context.rest, &used), used }))
     }
 
     fn statistics(&self) -> Vec<Statistic> {
@@ -51,7 +52,7 @@ impl Metric for PointError {
             ),
             Statistic::new("comp_max", "%", "Largest distance between the centroids of a component after the move."),
             Statistic::new("components", "count", "Components of the file's mesh, if it has several."),
-            Statistic::new("vertices", "count", "Vertices of the file's mesh."),
+            Statistic::new("vertices", "count", "Vertices of the file's mesh that a polygon uses."),
             Statistic::new("nonfinite", "count", "Vertices of the result that are not finite."),
         ]
     }
@@ -73,7 +74,9 @@ const MAX_CURVE_ERROR: f64 = 10.0;
 struct Bound<'a> {
     context: MetricContext<'a>,
     diagonal: f64,
-    /// The component of each vertex.
+    /// Whether a polygon uses the vertex, #V.
+    used: Vec<bool>,
+    /// The component of each vertex, #V; that of a vertex without polygons does not count.
     labels: Vec<usize>,
 }
 
@@ -82,14 +85,15 @@ impl BoundMetric for Bound<'_> {
         self.context.check(&input)?;
         let Some(ground_truth) = input.ground_truth else { return Ok(Measured::default()) };
         let (result, known) = (input.result.mesh, ground_truth.mesh);
-        let count = result.len();
-        if let Some(vertex) = known.iter().position(|p| !vertex_field::is_finite(p)) {
+        let used: Vec<usize> = (0..result.len()).filter(|&v| self.used[v]).collect();
+        let count = used.len();
+        if let Some(vertex) = used.iter().find(|&&v| !vertex_field::is_finite(&known[v])) {
             return Err(Error::data(
                 format!("the truth is not finite at vertex {vertex} (from 0)"),
                 "export the known result again without NaN and infinity",
             ));
         }
-        let finite: Vec<usize> = (0..count).filter(|&v| vertex_field::is_finite(&result[v])).collect();
+        let finite: Vec<usize> = used.into_iter().filter(|&v| vertex_field::is_finite(&result[v])).collect();
         let mut statistics = Figures::default();
         statistics.set("vertices", count);
         statistics.set("nonfinite", count - finite.len());
@@ -108,7 +112,7 @@ impl BoundMetric for Bound<'_> {
         let aligned: Vec<Vector3<f64>> = placed.iter().map(|d| d - shift).collect();
 
         let mut errors: Vec<f64> = aligned.iter().map(|d| percent * d.norm()).collect();
-        let mut field = vec![f64::NAN; count];
+        let mut field = vec![f64::NAN; result.len()];
         finite.iter().zip(&errors).for_each(|(&v, &error)| field[v] = error);
         errors.sort_unstable_by(f64::total_cmp);
         let number = errors.len() as f64;
@@ -145,11 +149,12 @@ fn percentile(sorted: &[f64], share: f64) -> f64 {
     below + (above - below) * place.fract()
 }
 
-/// The component of each vertex of the rest mesh, joined by polygons and numbered by first vertex.
-fn components(rest: &Mesh) -> Vec<usize> {
+/// The component of each vertex of the rest mesh, joined by polygons and numbered by first vertex; 0 for vertices that are not
+/// `used`.
+fn components(rest: &Mesh, used: &[bool]) -> Vec<usize> {
     let count = rest.positions.len();
     let mut parent: Vec<usize> = (0..count).collect();
-    for polygon in rest.polygons.iter() {
+    for polygon in rest.polygons.iter().filter(|corners| corners.len() >= 3) {
         for edge in polygon.windows(2) {
             let [a, b] = [edge[0], edge[1]].map(|v| root(&mut parent, v as usize));
             // The smaller vertex stays root, so that components come in order of their first vertex.
@@ -158,7 +163,7 @@ fn components(rest: &Mesh) -> Vec<usize> {
     }
     let mut labels = vec![0; count];
     let mut next = 0;
-    for vertex in 0..count {
+    for vertex in (0..count).filter(|&v| used[v]) {
         let first = root(&mut parent, vertex);
         if first == vertex {
             labels[vertex] = next;
@@ -280,16 +285,17 @@ mod tests {
     }
 
     #[test]
-    fn an_unreferenced_vertex_is_a_component_and_its_own_error_is_its_offset() {
-        let rest = meshes::with_unreferenced_vertex();
-        let mut result = rest.positions.clone();
-        let last = result.len() - 1;
-        result[last] += Vector3::x() * rest.diagonal();
-        let statistics = measure(&rest, &result, &rest.positions);
-        let share = 100.0 / result.len() as f64;
-        assert_statistic(&statistics, "components", 2.0);
-        assert_statistic(&statistics, "comp_max", 100.0 - share);
-        assert_statistic(&statistics, "comp_mean", 50.0);
+    fn vertices_that_no_polygon_uses_change_nothing() {
+        let rest = mesh(meshes::two_components());
+        let result: Vec<_> = rest.positions.iter().map(|p| p + Vector3::new(0.0, 0.1 * p.x, 0.3 * p.y * p.z)).collect();
+        let alone = measure(&rest, &result, &rest.positions);
+        // One before all others, far off, and one behind, which is not even finite in the result.
+        let (near, far) = (Point3::new(1e4, -1e3, 7.0), Point3::new(0.0, 0.0, -1e5));
+        let between = |positions: &[Point3<f64>], last| [&[near], positions, &[last]].concat();
+        let mut with_strays = Mesh { positions: between(&rest.positions, far), ..Mesh::default() };
+        rest.polygons.iter().for_each(|t| with_strays.polygons.push(&[t[0] + 1, t[1] + 1, t[2] + 1]));
+        let nowhere = Point3::new(f64::NAN, 0.0, 0.0);
+        assert_eq!(alone, measure(&with_strays, &between(&result, nowhere), &between(&rest.positions, nowhere)));
     }
 
     #[test]

@@ -3,9 +3,10 @@
 use mimesh_core::mesh::Surface;
 use nalgebra::Point3;
 
-/// Values at the vertices of a mesh, from `values` (#V) at those of its surface; NaN stays where nothing is known.
+/// Values at the vertices of a mesh, from `values` (#V) at those of its surface; NaN where nothing is known, as at vertices that no
+/// face uses.
 pub fn on_mesh(surface: &Surface, values: &[f64]) -> Vec<f64> {
-    surface.vertex_of.iter().map(|&v| values[v as usize]).collect()
+    surface.vertex_of.iter().map(|v| v.map_or(f64::NAN, |v| values[v as usize])).collect()
 }
 
 /// Raises the value at each of `vertices` to `value` if it is smaller or NaN.

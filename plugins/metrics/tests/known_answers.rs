@@ -44,8 +44,8 @@ impl Scene {
     fn bad(&self, source: &[Point3<f64>], result: &[Point3<f64>]) -> Vec<String> {
         let marker = |&[s, t]: &[u32; 2]| Marker {
             name: s.to_string(),
-            source: SurfacePoint::Vertex(self.source.vertex_of[s as usize]),
-            target: SurfacePoint::Vertex(self.target.vertex_of[t as usize]),
+            source: SurfacePoint::Vertex(self.source.vertex_of[s as usize].unwrap()),
+            target: SurfacePoint::Vertex(self.target.vertex_of[t as usize].unwrap()),
         };
         let markers: Vec<_> = self.markers.iter().map(marker).collect();
         let pair = TransferPair { source: &self.source, target: &self.target, markers: &markers, proximity: None };
@@ -152,7 +152,7 @@ fn a_wrong_scale_noise_and_a_loose_component_are_bad() {
     }
 
     let components = plates.target.components();
-    let loose = |v: usize| components.of_vertex[plates.target.vertex_of[v] as usize] == Some(87);
+    let loose = |v: usize| components.of_vertex[plates.target.vertex_of[v].unwrap() as usize] == Some(87);
     let step = Vector3::x() * 0.1 * plates.target.diagonal();
     let moved = truth.iter().enumerate().map(|(v, p)| if loose(v) { p + step } else { *p });
     assert!(plates.bad(&source, &moved.collect::<Vec<_>>()).contains(&"component_gaps.worst_component".into()));

@@ -27,22 +27,20 @@ impl Sampler for Given {
         if self.vertices.is_empty() {
             return Err(Error::data("`vertices` lists no vertex", "list at least one, e.g. `vertices: [0, 120]`"));
         }
-        let mut used = vec![false; surface.vertex_count()];
-        surface.triangles.iter().flatten().for_each(|&v| used[v as usize] = true);
         let mut seen = HashMap::new();
         let point = |&given: &u32| {
-            let Some(&vertex) = surface.vertex_of.get(given as usize) else {
+            let Some(&on_surface) = surface.vertex_of.get(given as usize) else {
                 return Err(Error::data(
                     format!("vertex {given} does not exist: expected 0 to {}", surface.vertex_of.len() - 1),
                     "count vertices from 0, in the order of the file",
                 ));
             };
-            if !used[vertex as usize] {
+            let Some(vertex) = on_surface else {
                 return Err(Error::data(
                     format!("vertex {given} belongs to no polygon"),
                     "give a vertex of the surface; `mimesh inspect MESH` counts those that are not",
                 ));
-            }
+            };
             match seen.insert(vertex, given) {
                 None => Ok(SurfacePoint::Vertex(vertex)),
                 Some(other) if other == given => {

@@ -25,7 +25,6 @@ use crate::{
     frames::{Frames, evenly_spaced},
     gradient::GradientTransfer,
     poisson::Poisson,
-    unreferenced::Unreferenced,
 };
 
 register!(Transfer: Blend);
@@ -91,7 +90,6 @@ impl Transfer for Blend {
             parts,
             gradients: DeformationGradients::new(&target.positions, &target.triangles),
             triangles: target.triangles.clone(),
-            unreferenced: Unreferenced::new(target),
             weights,
             members,
             poisson,
@@ -249,7 +247,6 @@ struct Bound {
     members: Members,
     /// The system to integrate gradients with; `None` if no component is mixed.
     poisson: Option<Poisson>,
-    unreferenced: Unreferenced,
     figures: Figures,
 }
 
@@ -291,7 +288,6 @@ impl Bound {
                 members.iter().for_each(|&(v, _)| positions[v as usize] = integrated[v as usize] + (goal - found));
             }
         }
-        self.unreferenced.place(|t| field[t], &mut positions);
         check_finite(&positions)?;
         let mut figures = Figures::default();
         for (k, result) in results.into_iter().enumerate() {

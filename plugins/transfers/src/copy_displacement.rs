@@ -3,7 +3,6 @@
 use mimesh_core::{
     Error, Figures, Result,
     mesh::{Surface, SurfacePoint, check_finite},
-    operators::DeformationGradients,
     register,
     spatial::{Orientation, Similarity},
     stage::{BindInput, BoundTransfer, Transfer, Transferred},
@@ -12,7 +11,7 @@ use nalgebra::Point3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::{alignment::Alignment, gradient::figures, unreferenced::Unreferenced};
+use crate::{alignment::Alignment, gradient::figures};
 
 register!(Transfer: CopyDisplacement);
 
@@ -37,8 +36,6 @@ impl Transfer for CopyDisplacement {
             source: pair.source.clone(),
             rest: pair.target.positions.clone(),
             points,
-            gradients: DeformationGradients::new(&pair.target.positions, &pair.target.triangles),
-            unreferenced: Unreferenced::new(pair.target),
             target_from_source,
         }))
     }
@@ -49,8 +46,6 @@ struct Bound {
     source: Surface,
     rest: Vec<Point3<f64>>,
     points: Vec<SurfacePoint>,
-    gradients: DeformationGradients,
-    unreferenced: Unreferenced,
     target_from_source: Similarity,
 }
 
@@ -64,9 +59,7 @@ impl BoundTransfer for Bound {
                 point.position(&self.source, posed) - point.position(&self.source, &self.source.positions);
             rest + rotation * displacement * scale
         };
-        let mut positions: Vec<_> = self.rest.iter().zip(&self.points).map(moved).collect();
-        let moved = positions.clone();
-        self.unreferenced.place(|t| self.gradients.of_triangle(t, &moved), &mut positions);
+        let positions: Vec<_> = self.rest.iter().zip(&self.points).map(moved).collect();
         check_finite(&positions)?;
         Ok(Transferred { positions, figures: Figures::default() })
     }

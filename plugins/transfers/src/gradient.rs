@@ -28,10 +28,7 @@ use nalgebra::Point3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::{
-    Placement, alignment::Alignment, field::Field, placement::BoundPlacement, poisson::Poisson,
-    unreferenced::Unreferenced,
-};
+use crate::{Placement, alignment::Alignment, field::Field, placement::BoundPlacement, poisson::Poisson};
 
 register!(Transfer: GradientTransfer);
 
@@ -107,14 +104,7 @@ impl Transfer for GradientTransfer {
             Weighting::Uniform => 1.0,
         })?;
         let placement = self.placement.bind(pair, alignment)?;
-        Ok(Box::new(Bound {
-            settings: self.clone(),
-            field,
-            poisson,
-            placement,
-            unreferenced: Unreferenced::new(pair.target),
-            figures: figures(&similarity),
-        }))
+        Ok(Box::new(Bound { settings: self.clone(), field, poisson, placement, figures: figures(&similarity) }))
     }
 
     fn check(&self, pair: TransferPair<'_>) -> Result<()> {
@@ -160,7 +150,6 @@ struct Bound {
     field: Field,
     poisson: Poisson,
     placement: BoundPlacement,
-    unreferenced: Unreferenced,
     figures: Figures,
 }
 
@@ -171,7 +160,6 @@ impl BoundTransfer for Bound {
         let field = self.field.at(posed);
         let mut solution = self.poisson.solve(&field, self.settings.reweightings, self.settings.tolerance)?;
         self.placement.apply(posed, &mut solution.positions);
-        self.unreferenced.place(|t| field[t], &mut solution.positions);
         check_finite(&solution.positions)?;
         let mut figures = Figures::default();
         figures.set("gradient_residual", solution.residual);
@@ -186,9 +174,6 @@ impl BoundTransfer for Bound {
         figures.set("triangles_by_points", points);
         figures.set("triangles_by_partner", partners);
         figures.set("orphan_triangles", orphans);
-        if self.unreferenced.count() > 0 {
-            figures.set("loose_vertices", self.unreferenced.count());
-        }
         figures
     }
 }

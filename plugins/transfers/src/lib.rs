@@ -11,6 +11,5 @@ pub mod gradient;
 pub mod multi_component;
 mod placement;
 mod poisson;
-mod unreferenced;
 
 pub use placement::Placement;

@@ -42,15 +42,18 @@ impl Placement {
             ),
             Self::Anchor(vertices) => {
                 let count = target.vertex_of.len();
-                let used = |v: u32| target.triangles.iter().flatten().any(|&w| w == target.vertex_of[v as usize]);
-                if vertices.is_empty() || vertices.iter().any(|&v| v as usize >= count || !used(v)) {
-                    return Err(Error::Setting {
-                        setting: "placement.anchor".into(),
-                        expected: format!("vertices from 0 to {} that belong to a polygon", count - 1),
-                        found: format!("{vertices:?}"),
-                    });
+                let on_surface = |&v: &u32| target.vertex_of.get(v as usize).copied().flatten();
+                let points: Option<Weighted> = vertices.iter().map(|v| Some((on_surface(v)?, 1.0))).collect();
+                match points.filter(|points| !points.is_empty()) {
+                    Some(points) => (vec![], points),
+                    None => {
+                        return Err(Error::Setting {
+                            setting: "placement.anchor".into(),
+                            expected: format!("vertices from 0 to {} that belong to a polygon", count - 1),
+                            found: format!("{vertices:?}"),
+                        });
+                    }
                 }
-                (vec![], vertices.iter().map(|&v| (target.vertex_of[v as usize], 1.0)).collect())
             }
         };
         let mut bound = BoundPlacement {

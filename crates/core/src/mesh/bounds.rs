@@ -31,3 +31,12 @@ pub fn diagonal(positions: &[Point3<f64>]) -> f64 {
     let (low, high) = bounding_box(positions);
     (high - low).norm()
 }
+
+/// For each of `vertex_count` vertices whether a polygon of three corners or more uses it.
+///
+/// Vertices that no face uses are construction points, or remains of an export, and may lie anywhere. So they never set a scale.
+pub fn used_by_faces<'a>(vertex_count: usize, polygons: impl Iterator<Item = &'a [u32]>) -> Vec<bool> {
+    let mut used = vec![false; vertex_count];
+    polygons.filter(|corners| corners.len() >= 3).flatten().for_each(|&v| used[v as usize] = true);
+    used
+}

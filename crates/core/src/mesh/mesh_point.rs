@@ -15,10 +15,13 @@ pub enum MeshPoint {
 }
 
 impl Surface {
-    /// The point of the surface for a point of its mesh; `None` if the mesh has no such vertex or triangle.
+    /// The point of the surface for a point of its mesh; `None` if the mesh has no such vertex or triangle, or no face uses the
+    /// vertex.
     pub fn point(&self, point: MeshPoint) -> Option<SurfacePoint> {
         match point {
-            MeshPoint::Vertex(vertex) => self.vertex_of.get(vertex as usize).copied().map(SurfacePoint::Vertex),
+            MeshPoint::Vertex(vertex) => {
+                self.vertex_of.get(vertex as usize).copied().flatten().map(SurfacePoint::Vertex)
+            }
             MeshPoint::Triangle(triangle, barycentric) => {
                 ((triangle as usize) < self.triangle_count()).then_some(SurfacePoint::Triangle(triangle, barycentric))
             }

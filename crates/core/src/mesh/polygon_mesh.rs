@@ -4,7 +4,7 @@ use nalgebra::Point3;
 
 use super::{
     attributes::{CornerAttribute, Material, Part},
-    bounds::{check_finite, diagonal},
+    bounds::{bounding_box, check_finite, used_by_faces},
     polygons::Polygons,
 };
 use crate::{Error, Result};
@@ -67,9 +67,33 @@ impl Mesh {
         Ok(())
     }
 
-    /// Length of the diagonal of the bounding box; 0 for no vertices.
+    /// For each vertex whether a face uses it, i.e. a polygon of three corners or more, #V.
+    ///
+    /// # Panics
+    ///
+    /// If a corner does not exist; see [`validate`](Self::validate).
+    pub fn used_vertices(&self) -> Vec<bool> {
+        used_by_faces(self.positions.len(), self.polygons.iter())
+    }
+
+    /// Smallest and largest corner of the box around the faces when the vertices are at `positions` (#V × 3).
+    ///
+    /// Vertices that no face uses do not count. A mesh without faces has the box around all vertices.
+    pub fn bounding_box_of(&self, positions: &[Point3<f64>]) -> (Point3<f64>, Point3<f64>) {
+        let used = self.used_vertices();
+        let of_faces: Vec<_> = positions.iter().zip(&used).filter(|(_, used)| **used).map(|(p, _)| *p).collect();
+        bounding_box(if of_faces.is_empty() { positions } else { &of_faces })
+    }
+
+    /// Length of the diagonal of [`bounding_box_of`](Self::bounding_box_of) `positions`; 0 for no vertices.
+    pub fn diagonal_of(&self, positions: &[Point3<f64>]) -> f64 {
+        let (low, high) = self.bounding_box_of(positions);
+        (high - low).norm()
+    }
+
+    /// Length of the diagonal of the box around the faces; 0 for no vertices.
     pub fn diagonal(&self) -> f64 {
-        diagonal(&self.positions)
+        self.diagonal_of(&self.positions)
     }
 }
 

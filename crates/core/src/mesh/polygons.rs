@@ -50,6 +50,19 @@ impl Polygons {
     pub fn iter(&self) -> impl ExactSizeIterator<Item = &[u32]> {
         (0..self.len()).map(|polygon| self.get(polygon))
     }
+
+    /// The polygons cut into triangles, each a fan from its first corner, and for each triangle its polygon.
+    pub fn fans(&self) -> (Vec<[u32; 3]>, Vec<u32>) {
+        let mut triangles = Vec::new();
+        let mut polygon_of = Vec::new();
+        for (polygon, corners) in self.iter().enumerate() {
+            for pair in corners.get(1..).unwrap_or_default().windows(2) {
+                triangles.push([corners[0], pair[0], pair[1]]);
+                polygon_of.push(polygon as u32);
+            }
+        }
+        (triangles, polygon_of)
+    }
 }
 
 impl<'a> FromIterator<&'a [u32]> for Polygons {

@@ -3,7 +3,7 @@ use std::collections::HashSet;
 use nalgebra::Point3;
 use serde::Serialize;
 
-use super::{Mesh, Surface, bounding_box, inward_components};
+use super::{Mesh, Surface, inward_components};
 use crate::{Result, operators::is_degenerate};
 
 /// Counts and sizes of a mesh, and its defects that a solver may stumble over.
@@ -17,7 +17,7 @@ pub struct Statistics {
     pub triangles_quads_ngons: [usize; 3],
     /// Triangles after cutting polygons into fans.
     pub triangles: usize,
-    /// Vertices after welding seams.
+    /// Vertices after welding seams, with those that no face uses.
     pub welded_vertices: usize,
     /// Vertices of each connected component, in order of first vertex.
     pub component_sizes: Vec<usize>,
@@ -29,11 +29,11 @@ pub struct Statistics {
     pub degenerate_triangles: usize,
     /// Polygons whose set of corners an earlier polygon has.
     pub duplicate_polygons: usize,
-    /// Vertices that no polygon uses.
+    /// Vertices that no face uses.
     pub unreferenced_vertices: usize,
     /// Vertices at exactly the place of an earlier one, welded or not.
     pub coincident_vertices: usize,
-    /// Smallest and largest corner of the bounding box.
+    /// Smallest and largest corner of the bounding box of the faces.
     pub bounding_box: [[f64; 3]; 2],
     /// Length of its diagonal.
     pub diagonal: f64,
@@ -54,17 +54,15 @@ impl Statistics {
     pub fn new(mesh: &Mesh) -> Result<Self> {
         let surface = Surface::new(mesh)?;
         let topology = surface.topology();
-        let (low, high) = bounding_box(&mesh.positions);
+        let (low, high) = mesh.bounding_box_of(&mesh.positions);
         let diagonal = (high - low).norm();
         let mut corner_counts = [0; 3];
-        let mut referenced = vec![false; mesh.positions.len()];
         let mut seen = HashSet::new();
         let mut duplicate_polygons = 0;
         for corners in mesh.polygons.iter() {
             if corners.len() >= 3 {
                 corner_counts[corners.len().min(5) - 3] += 1;
             }
-            corners.iter().for_each(|&v| referenced[v as usize] = true);
             let mut sorted = corners.to_vec();
             sorted.sort_unstable();
             duplicate_polygons += usize::from(!seen.insert(sorted));
@@ -83,13 +81,13 @@ impl Statistics {
             polygons: mesh.polygons.len(),
             triangles_quads_ngons: corner_counts,
             triangles: surface.triangle_count(),
-            welded_vertices: surface.vertex_count(),
+            welded_vertices: surface.vertex_count() + surface.strays.len(),
             component_sizes: surface.components().sizes,
             boundary_edges: topology.boundary.len(),
             non_manifold_edges: topology.non_manifold.len(),
             degenerate_triangles: degenerate.count(),
             duplicate_polygons,
-            unreferenced_vertices: referenced.iter().filter(|used| !**used).count(),
+            unreferenced_vertices: surface.strays.len(),
             coincident_vertices: mesh.positions.len() - places.len(),
             bounding_box: [low.into(), high.into()],
             diagonal,

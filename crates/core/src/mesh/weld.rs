@@ -5,33 +5,54 @@ use petgraph::unionfind::UnionFind;
 
 use super::Topology;
 
+/// How boundaries of a mesh that lie at one place are welded.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Welding {
+    /// Vertices nearer to each other than this are at one place, relative to the diagonal; 0 for exactly one place.
+    pub tolerance: f64,
+    /// Pairs of vertices of the mesh that are not welded though they are at one place, such as those of closed lips.
+    ///
+    /// An edge is welded if neither of its ends is in such a pair. The smaller vertex comes first, and pairs are sorted.
+    pub opened: Vec<[u32; 2]>,
+}
+
 /// For each vertex the first vertex it is welded to, itself if none.
 ///
 /// Files split a vertex where texture coordinates or normals jump; the copies lie at bit-equal positions along two
-/// boundaries that run in opposite directions. Exactly those boundary edges are sewn together: two sheets that merely touch
-/// at a vertex, or closed lips that only meet within a distance, stay apart.
-pub fn seams(positions: &[Point3<f64>], triangles: &[[u32; 3]]) -> Vec<u32> {
+/// boundaries that run in opposite directions, or nearer to each other than `tolerance`, a length. Exactly those boundary edges
+/// are sewn together: two sheets that merely touch at a vertex stay apart, and so do edges with an end in a pair of `opened`.
+pub fn seams(positions: &[Point3<f64>], triangles: &[[u32; 3]], tolerance: f64, opened: &[[u32; 2]]) -> Vec<u32> {
     let mut welded = UnionFind::<u32>::new(positions.len());
-    let place = places(positions);
-    let mut edges: HashMap<[u32; 2], Vec<[u32; 2]>> = HashMap::new();
-    for edge in Topology::new(triangles).boundary {
-        let ends = edge.map(|v| place[v as usize]);
-        // An edge without length would be its own opposite.
-        if ends[0] != ends[1] {
-            edges.entry(ends).or_default().push(edge);
-        }
-    }
-    for (&[from, to], along) in &edges {
-        let Some(against) = edges.get(&[to, from]) else { continue };
-        for &[a, b] in along {
-            for &[c, d] in against {
-                welded.union(a, d);
-                welded.union(b, c);
-            }
+    for ends in edges(positions, triangles, tolerance) {
+        if ends.iter().all(|pair| opened.binary_search(pair).is_err()) {
+            ends.iter().for_each(|[a, b]| _ = welded.union(*a, *b));
         }
     }
     let mut first = HashMap::new();
     (0..positions.len() as u32).map(|v| *first.entry(welded.find_mut(v)).or_insert(v)).collect()
+}
+
+/// The pairs of boundary edges that lie at one place and run in opposite directions, as the two pairs of vertices that meet there,
+/// the smaller vertex first; in no order.
+pub fn edges(positions: &[Point3<f64>], triangles: &[[u32; 3]], tolerance: f64) -> Vec<[[u32; 2]; 2]> {
+    let boundary = Topology::new(triangles).boundary;
+    let place = if tolerance > 0.0 { near_places(positions, &boundary, tolerance) } else { places(positions) };
+    let mut at: HashMap<[u32; 2], Vec<[u32; 2]>> = HashMap::new();
+    for edge in boundary {
+        let ends = edge.map(|v| place[v as usize]);
+        // An edge without length would be its own opposite.
+        if ends[0] != ends[1] {
+            at.entry(ends).or_default().push(edge);
+        }
+    }
+    let mut found = Vec::new();
+    for (&[from, to], along) in at.iter().filter(|([from, to], _)| from < to) {
+        let Some(against) = at.get(&[to, from]) else { continue };
+        for &[a, b] in along {
+            found.extend(against.iter().map(|&[c, d]| [[a.min(d), a.max(d)], [b.min(c), b.max(c)]]));
+        }
+    }
+    found
 }
 
 /// For each vertex the first vertex at the same position.
@@ -41,18 +62,67 @@ fn places(positions: &[Point3<f64>]) -> Vec<u32> {
     positions.iter().enumerate().map(|(v, p)| *first.entry(key(p)).or_insert(v as u32)).collect()
 }
 
+/// For each vertex of `boundary` the first that it is joined to by steps of at most `tolerance`; others are by themselves.
+fn near_places(positions: &[Point3<f64>], boundary: &[[u32; 2]], tolerance: f64) -> Vec<u32> {
+    let cell = |v: u32| positions[v as usize].coords.map(|x| (x / tolerance).floor() as i64);
+    let mut vertices: Vec<u32> = boundary.iter().flatten().copied().collect();
+    vertices.sort_unstable();
+    vertices.dedup();
+    let mut cells: HashMap<[i64; 3], Vec<u32>> = HashMap::new();
+    vertices.iter().for_each(|&v| cells.entry(cell(v).into()).or_default().push(v));
+    let mut joined = UnionFind::<u32>::new(positions.len());
+    for &v in &vertices {
+        let [x, y, z]: [i64; 3] = cell(v).into();
+        for step in 0..27 {
+            let around = [x + step % 3 - 1, y + step / 3 % 3 - 1, z + step / 9 - 1];
+            for &w in cells.get(&around).into_iter().flatten().filter(|w| **w < v) {
+                if (positions[v as usize] - positions[w as usize]).norm() <= tolerance {
+                    joined.union(v, w);
+                }
+            }
+        }
+    }
+    let mut first = HashMap::new();
+    (0..positions.len() as u32).map(|v| *first.entry(joined.find_mut(v)).or_insert(v)).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    #[test]
-    fn a_split_edge_is_sewn_and_a_touching_corner_is_not() {
-        let p = |x: f64, y: f64| Point3::new(x, y, 0.0);
-        // Two triangles along the edge (1,0)-(0,1), split; a third touches only at (0,0).
+    fn p(x: f64, y: f64) -> Point3<f64> {
+        Point3::new(x, y, 0.0)
+    }
+
+    /// Two triangles along the edge (1,0)-(0,1), split; a third touches only at (0,0).
+    fn split() -> (Vec<Point3<f64>>, [[u32; 3]; 3]) {
         let positions =
             vec![p(0., 0.), p(1., 0.), p(0., 1.), p(0., 1.), p(1., 0.), p(1., 1.), p(0., 0.), p(-1., 0.), p(0., -1.)];
-        let triangles = [[0, 1, 2], [3, 4, 5], [6, 7, 8]];
-        assert_eq!(seams(&positions, &triangles), [0, 1, 2, 2, 1, 5, 6, 7, 8]);
+        (positions, [[0, 1, 2], [3, 4, 5], [6, 7, 8]])
+    }
+
+    #[test]
+    fn a_split_edge_is_sewn_and_a_touching_corner_is_not() {
+        let (positions, triangles) = split();
+        assert_eq!(seams(&positions, &triangles, 0.0, &[]), [0, 1, 2, 2, 1, 5, 6, 7, 8]);
+    }
+
+    #[test]
+    fn an_edge_with_an_opened_end_is_not_sewn() {
+        let (positions, triangles) = split();
+        let apart: Vec<u32> = (0..9).collect();
+        assert_eq!(seams(&positions, &triangles, 0.0, &[[1, 4]]), apart);
+    }
+
+    #[test]
+    fn noise_below_the_tolerance_is_sewn_over() {
+        let (mut positions, triangles) = split();
+        positions[3].x += 1e-6;
+        positions[4].y -= 1e-6;
+        let apart: Vec<u32> = (0..9).collect();
+        assert_eq!(seams(&positions, &triangles, 0.0, &[]), apart);
+        assert_eq!(seams(&positions, &triangles, 9e-7, &[]), apart);
+        assert_eq!(seams(&positions, &triangles, 2e-6, &[]), [0, 1, 2, 2, 1, 5, 6, 7, 8]);
     }
 
     #[test]

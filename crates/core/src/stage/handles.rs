@@ -23,8 +23,6 @@ impl HandlePoints {
     ///
     /// [`Error::Data`] for a point that is not on the surface.
     pub fn new(surface: &Surface, points: &[SurfacePoint]) -> Result<Self> {
-        let mut used = vec![false; surface.vertex_count()];
-        surface.triangles.iter().flatten().for_each(|&v| used[v as usize] = true);
         let vertex = |(k, point): (usize, &SurfacePoint)| {
             let (what, index, count) = match *point {
                 SurfacePoint::Vertex(vertex) => ("vertex", vertex, surface.vertex_count()),
@@ -44,13 +42,7 @@ impl HandlePoints {
                 ));
             }
             let greatest = corners.iter().skip(1).fold(corners[0], |best, &c| if c.1 > best.1 { c } else { best });
-            if used[greatest.0 as usize] {
-                return Ok(greatest.0);
-            }
-            Err(Error::data(
-                format!("point {k}: vertex {index} belongs to no polygon"),
-                "move the point to a vertex of the surface",
-            ))
+            Ok(greatest.0)
         };
         let vertices = points.iter().enumerate().map(vertex).collect::<Result<Vec<_>>>()?;
         let of_mesh = vertices.iter().map(|&v| surface.representative[v as usize]).collect();
@@ -97,8 +89,8 @@ impl HandlePoints {
     }
 }
 
-/// The vertices that no handle reaches, each with the nearest one that is reached, whose weights it takes. They have no triangle,
-/// or triangles without area only. `reached` says of each vertex (#V) whether a handle has influence on it.
+/// The vertices that no handle reaches, each with the nearest one that is reached, whose weights it takes. Their triangles
+/// have no area. `reached` says of each vertex (#V) whether a handle has influence on it.
 ///
 /// # Errors
 ///
@@ -145,10 +137,12 @@ mod tests {
     }
 
     #[test]
-    fn loose_vertices_follow_the_nearest_and_components_without_a_handle_are_named() {
-        let mesh = meshes::with_unreferenced_vertex();
-        let surface = Surface::new(&mesh).unwrap();
-        let loose = surface.vertex_count() - 1;
+    fn vertices_without_area_follow_the_nearest_and_components_without_a_handle_are_named() {
+        let Surface { mut positions, mut triangles, .. } = meshes::icosphere(1);
+        let loose = positions.len();
+        positions.push(nalgebra::Point3::new(0.0, 2.0, 0.0));
+        triangles.push([loose as u32; 3]);
+        let surface = Surface::from_triangles(positions, triangles).unwrap();
         let reached: Vec<bool> = (0..=loose).map(|v| v != loose).collect();
         let [[vertex, by]] = unreached(&surface, &reached).unwrap()[..] else { panic!("one vertex is loose") };
         let distance = |v: u32| (surface.positions[v as usize] - surface.positions[loose]).norm();

@@ -155,6 +155,38 @@ pub fn seamed_cylinder(around: usize, along: usize) -> Mesh {
     mesh
 }
 
+/// A curved sheet of 2 × 2, from x, y = -1 to 1, cut along y = 0: below and above lie `cells` columns of quads from edge to edge,
+/// their vertices along the cut at the same places. A mouth: the cut opens between x = -0.5 and 0.5 by [`open_mouth`].
+///
+/// Vertices of the lower half come first.
+pub fn mouth(cells: usize) -> Mesh {
+    let (columns, rows) = (cells as u32 + 1, cells as u32 / 2 + 1);
+    let mut mesh = Mesh::default();
+    for half in 0..2 {
+        let start = mesh.positions.len() as u32;
+        for (j, i) in (0..rows).flat_map(|j| (0..columns).map(move |i| (j, i))) {
+            let x = 2.0 * f64::from(i) / f64::from(columns - 1) - 1.0;
+            let y = f64::from(half) - 1.0 + f64::from(j) / f64::from(rows - 1);
+            mesh.positions.push(Point3::new(x, y, -0.3 * (x * x + y * y)));
+        }
+        for a in (0..rows - 1).flat_map(|j| (0..columns - 1).map(move |i| start + j * columns + i)) {
+            mesh.polygons.push(&[a, a + 1, a + columns + 1, a + columns]);
+        }
+    }
+    mesh
+}
+
+/// [`mouth`] with its lips moved apart by `amount` each at the middle, which fades out towards corners, chin and nose.
+pub fn open_mouth(mesh: &Mesh, amount: f64) -> Vec<Point3<f64>> {
+    let half = mesh.positions.len() / 2;
+    let open = |(v, p): (usize, &Point3<f64>)| {
+        let along = (1.0 - 4.0 * p.x * p.x).max(0.0);
+        let away = amount * along * (1.0 - p.y.abs()).powi(2);
+        *p + Vector3::new(0.0, if v < half { -away } else { away }, 0.0)
+    };
+    mesh.positions.iter().enumerate().map(open).collect()
+}
+
 /// An icosphere with a triangle without area: a new vertex in the middle of an edge of triangle 0 makes the last
 /// triangle.
 pub fn with_zero_area_triangle() -> Mesh {

@@ -117,7 +117,6 @@ impl<'a> Elements<'a> {
                 }
             }
         }
-        self.fix_unreferenced(&unit.target, &mut fixed, &mut values);
         let system = FixedUnknowns::new(&assembly.finish(), &fixed, "the fit of the target to the markers")?;
         let total: f64 = self.mass.iter().sum();
         let share = self.mass.iter().map(|m| m / total * REFERENCE_VERTICES).collect();
@@ -137,17 +136,6 @@ impl<'a> Elements<'a> {
             Some((a.deformation_gradient(at) - b.deformation_gradient(at)).norm_squared())
         });
         squares.sum()
-    }
-
-    /// Holds vertices that no triangle uses where they are: nothing else would.
-    fn fix_unreferenced(&self, rest: &[Point3<f64>], fixed: &mut Vec<u32>, values: &mut [Vec<f64>; 3]) {
-        let mut used = vec![false; rest.len()];
-        self.surface.triangles.iter().flatten().for_each(|&v| used[v as usize] = true);
-        fixed.iter().for_each(|&v| used[v as usize] = true);
-        for v in (0..rest.len()).filter(|&v| !used[v]) {
-            fixed.push(v as u32);
-            (0..3).for_each(|c| values[c].push(rest[v][c]));
-        }
     }
 }
 

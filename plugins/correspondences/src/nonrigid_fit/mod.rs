@@ -46,7 +46,7 @@ use self::{
     elements::{Elements, EnergyWeights},
     unit_frame::UnitFrame,
 };
-use crate::facing::Facing;
+use crate::{facing::Facing, sides::keep_sides};
 
 register!(Correspondence: NonrigidFit);
 
@@ -163,7 +163,8 @@ impl NonrigidFit {
             system.add_targets(self.closest_weight(step), &goals)?;
             fit = system.solve(&goals);
         }
-        let points = found(&fit);
+        let mut points = found(&fit);
+        keep_sides(pair, &unit.source, &fit, facing, self.max_distance, &mut points);
 
         let mut figures = Figures::default();
         let squares =

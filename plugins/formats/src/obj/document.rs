@@ -1,6 +1,6 @@
 use std::{fmt, ops::Range, sync::OnceLock};
 
-use mimesh_core::mesh::{Mesh, diagonal};
+use mimesh_core::mesh::Mesh;
 use nalgebra::Point3;
 
 use super::lexer::Lexer;
@@ -58,7 +58,7 @@ impl ObjDocument {
         } else {
             self.normals.clone()
         };
-        let extent = diagonal(positions).max(diagonal(&self.positions));
+        let extent = mesh.diagonal_of(positions).max(mesh.diagonal_of(&self.positions));
         let position_decimals = Decimals::for_positions(extent, self.layout.position_decimals);
         let normal_decimals = Decimals::fixed(self.layout.normal_decimals.max(4));
 

@@ -1,6 +1,6 @@
 use std::io::Write;
 
-use mimesh_core::mesh::{CornerAttribute, Mesh, Part, diagonal};
+use mimesh_core::mesh::{CornerAttribute, Mesh, Part};
 use nalgebra::Point3;
 
 use crate::{normals::PosedNormals, number::Decimals};
@@ -9,7 +9,7 @@ use crate::{normals::PosedNormals, number::Decimals};
 pub fn write(mesh: &Mesh, positions: &[Point3<f64>], turn_normals: bool) -> Vec<u8> {
     let mut out = Vec::with_capacity(48 * positions.len() + 32 * mesh.polygons.corner_count());
     out.extend_from_slice(b"# written by mimesh\n");
-    let decimals = Decimals::for_positions(diagonal(positions).max(mesh.diagonal()), 6);
+    let decimals = Decimals::for_positions(mesh.diagonal_of(positions).max(mesh.diagonal()), 6);
     positions.iter().for_each(|p| line(&mut out, "v", p.coords.as_slice(), decimals));
     if let Some(texture) = &mesh.texture_coordinates {
         texture.values.iter().for_each(|value| line(&mut out, "vt", value, Decimals::fixed(8)));

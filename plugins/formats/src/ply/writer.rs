@@ -1,6 +1,6 @@
 use std::io::Write;
 
-use mimesh_core::mesh::{CornerAttribute, Mesh, diagonal};
+use mimesh_core::mesh::{CornerAttribute, Mesh};
 use nalgebra::Point3;
 
 use super::{Encoding, Ply, PlyDocument, Precision};
@@ -43,7 +43,7 @@ pub fn write(settings: &Ply, mesh: &Mesh, positions: &[Point3<f64>]) -> Vec<u8> 
     header += &format!("element face {}\n", mesh.polygons.len());
     header += &format!("property list {count} {index} vertex_indices\nend_header\n");
 
-    let decimals = Decimals::for_positions(diagonal(positions).max(mesh.diagonal()), 6);
+    let decimals = Decimals::for_positions(mesh.diagonal_of(positions).max(mesh.diagonal()), 6);
     let mut body = Body { out: header.into_bytes(), encoding: settings.encoding };
     for (v, position) in positions.iter().enumerate() {
         position.iter().for_each(|&x| if double { body.double(x, decimals) } else { body.float(x as f32) });

@@ -7,7 +7,7 @@ use mimesh_core::{
 };
 use nalgebra::{DMatrix, Matrix3, Matrix3x4, Point3, Vector3};
 
-use crate::{poisson::Poisson, unreferenced::Unreferenced};
+use crate::poisson::Poisson;
 
 /// The target at corresponding places of the source, and how gradients there become positions of the target.
 #[derive(Debug)]
@@ -19,7 +19,6 @@ pub(super) struct Integral {
     /// y.
     places: Vec<Point3<f64>>,
     poisson: Poisson,
-    unreferenced: Unreferenced,
     triangles: Vec<[u32; 3]>,
     /// x: the target at rest in the source's frame.
     rest: Vec<Point3<f64>>,
@@ -51,7 +50,6 @@ impl Integral {
             gradients: gradients(&places, &target.triangles),
             normals: target.area_normals(&places).iter().map(|n| n.try_normalize(0.0).unwrap_or_default()).collect(),
             poisson: Poisson::new(&target, |area| area)?,
-            unreferenced: Unreferenced::new(&target),
             triangles: target.triangles.clone(),
             rest: target.positions,
             places,
@@ -88,7 +86,6 @@ impl Integral {
             let shift = goal - mean(&positions);
             members.iter().for_each(|&(v, _)| positions[v as usize] += shift);
         }
-        self.unreferenced.place(|t| field[t], &mut positions);
         Ok(positions)
     }
 }

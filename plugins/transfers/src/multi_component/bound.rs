@@ -15,7 +15,7 @@ use super::{
     rigid::Rigid,
     system::System,
 };
-use crate::{field::Field, placement::BoundPlacement, unreferenced::Unreferenced};
+use crate::{field::Field, placement::BoundPlacement};
 
 #[derive(Debug)]
 pub struct Bound {
@@ -32,7 +32,6 @@ pub struct Bound {
     pub rigid: Rigid,
     pub foot_contacts: FootContacts,
     pub placement: BoundPlacement,
-    pub unreferenced: Unreferenced,
     pub around: Vec<Vec<u32>>,
     pub figures: Figures,
 }
@@ -172,7 +171,6 @@ impl Bound {
         }
         self.rigid.fit(&mut positions);
         place(&mut positions);
-        self.unreferenced.place(|t| field[t], &mut positions);
         check_finite(&positions)?;
         let mut figures = Figures::default();
         figures.set("steps", energies.len());

@@ -2,7 +2,6 @@
 
 use mimesh_core::{
     Error, Result,
-    mesh::Surface,
     stage::{Marker, TransferPair},
 };
 use nalgebra::{DMatrix, DVector, Matrix3xX, Point3, Vector3};
@@ -37,8 +36,7 @@ impl FootContact {
         let count = target.vertex_of.len();
         let mut points = Vec::new();
         for &v in &self.vertices {
-            let used = target.vertex_of.get(v as usize).filter(|&&w| is_used(target, w));
-            let Some(&w) = used else {
+            let Some(w) = target.vertex_of.get(v as usize).copied().flatten() else {
                 let expected = format!("vertices from 0 to {} that belong to a polygon", count.saturating_sub(1));
                 return Err(refused(expected, v.to_string()));
             };
@@ -57,10 +55,6 @@ impl FootContact {
         let total: f64 = points.iter().map(|(_, w)| w).sum();
         Ok(points.into_iter().map(|(v, w)| (v, w / total)).collect())
     }
-}
-
-fn is_used(target: &Surface, vertex: u32) -> bool {
-    target.triangles.iter().flatten().any(|&v| v == vertex)
 }
 
 /// All foot contacts of a target, ready to hold it.

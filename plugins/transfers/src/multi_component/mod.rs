@@ -40,7 +40,7 @@ use serde::{Deserialize, Serialize};
 
 use self::{bound::Bound, foot_contacts::FootContacts, gaps::Gap, prior::Prior, rigid::Rigid, system::System};
 pub use self::{foot_contacts::FootContact, gaps::Gaps, term_weights::TermWeights};
-use crate::{Placement, alignment::Alignment, field::Field, gradient::Sampling, unreferenced::Unreferenced};
+use crate::{Placement, alignment::Alignment, field::Field, gradient::Sampling};
 
 register!(Transfer: MultiComponent);
 
@@ -192,7 +192,6 @@ impl Transfer for MultiComponent {
             rigid,
             foot_contacts,
             placement,
-            unreferenced: Unreferenced::new(target),
             around,
             figures,
         }))

@@ -37,8 +37,6 @@ pub struct System {
     anchor: u32,
     /// β of E5; empty for none.
     prior: Vec<f64>,
-    /// Vertices without a triangle, which the system says nothing of.
-    unreferenced: Vec<u32>,
 }
 
 /// E4 of orphan components.
@@ -115,12 +113,8 @@ impl System {
             assembly.add_outer(&gap.ends, &[[1.0], [-1.0]], gap.weight);
         }
         let detail = Detail::new(target, weights.details, orphan_component, &mut assembly);
-        let mut used = vec![false; n];
-        target.triangles.iter().flatten().for_each(|&v| used[v as usize] = true);
-        let unreferenced: Vec<u32> = (0..n as u32).filter(|&v| !used[v as usize]).collect();
         // Coordinates are relative to the anchor. No term minds a translation, so that this holds it exactly.
         let anchor = target.triangles.first().map_or(0, |t| t[0]);
-        unreferenced.iter().for_each(|&v| assembly.add(v as usize, v as usize, 1.0));
         // E5 minds a translation, and holds it instead.
         let is_held = prior.iter().sum::<f64>() > 0.0;
         if !is_held {
@@ -141,7 +135,6 @@ impl System {
             unknowns,
             anchor,
             prior: if is_held { prior.to_vec() } else { vec![] },
-            unreferenced,
         })
     }
 
@@ -205,10 +198,7 @@ impl System {
     pub fn positions(&self, x: &[f64]) -> Vec<Point3<f64>> {
         let n = self.unknowns;
         let anchor = self.rest[self.anchor as usize];
-        let mut positions: Vec<_> =
-            (0..self.rest.len()).map(|v| anchor + Vector3::new(x[v], x[n + v], x[2 * n + v])).collect();
-        self.unreferenced.iter().for_each(|&v| positions[v as usize] = self.rest[v as usize]);
-        positions
+        (0..self.rest.len()).map(|v| anchor + Vector3::new(x[v], x[n + v], x[2 * n + v])).collect()
     }
 
     /// E4's Laplacian coordinates for the directions at `now`; empty if there is no orphan component.
