@@ -13,11 +13,12 @@ use {
     },
 };
 
-use crate::cli::{CommandResult, flags::with_flags, run::Overrides, status::Status, terminal};
+use crate::cli::{CommandResult, cache::CacheOptions, flags::with_flags, run::Overrides, status::Status, terminal};
 
 /// Finds all mistakes in a pipeline and in the runs that it declares, without computing anything.
 ///
-/// The command reads the rest meshes and the markers. With `--poses` it reads the poses too.
+/// The command reads the rest meshes and the markers, and the poses of a source whose boundaries coincide. With `--poses` it reads
+/// all poses.
 #[derive(Debug, clap::Args)]
 pub struct Check {
     /// The pipeline's YAML file
@@ -27,6 +28,8 @@ pub struct Check {
     /// Read every pose too
     #[arg(long)]
     poses: bool,
+    #[command(flatten)]
+    cache: CacheOptions,
     /// Print the result as JSON
     #[arg(long)]
     json: bool,
@@ -35,10 +38,12 @@ pub struct Check {
 impl Check {
     /// Runs the command.
     pub fn run(&self) -> CommandResult {
-        let checked = pipeline::prepare_all(&self.pipeline, &self.overrides.options(), None).and_then(|all| {
-            let list = if self.poses { unreadable_poses(&all) } else { vec![] };
-            Diagnostics { list }.into_result().map(|()| all)
-        });
+        let cache = self.cache.open()?;
+        let checked =
+            pipeline::prepare_all(&self.pipeline, &self.overrides.options(), cache.as_ref()).and_then(|all| {
+                let list = if self.poses { unreadable_poses(&all) } else { vec![] };
+                Diagnostics { list }.into_result().map(|()| all)
+            });
         match checked {
             Ok(all) if self.json => {
                 let runs: Vec<_> = all.iter().map(|run| &run.variant.name).filter(|name| !name.is_empty()).collect();

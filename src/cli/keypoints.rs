@@ -20,7 +20,7 @@ use {
     mimesh_pipeline::{Options, PreparedSource, key_points, staging},
 };
 
-use crate::cli::{CommandResult, status::Status, terminal};
+use crate::cli::{CommandResult, cache::CacheOptions, status::Status, terminal};
 
 /// Chooses the few points of the source that describe its poses best, and writes them as markers to complete.
 ///
@@ -49,6 +49,8 @@ pub struct KeyPoints {
     /// Replace a value of the pipeline, e.g. key_points.threshold=0.02
     #[arg(long = "set", value_name = "KEY=VALUE")]
     settings: Vec<String>,
+    #[command(flatten)]
+    cache: CacheOptions,
     /// Print the points and the steps as JSON
     #[arg(long)]
     json: bool,
@@ -65,7 +67,7 @@ impl KeyPoints {
     /// Runs the command.
     pub fn run(&self) -> CommandResult {
         let options = Options { settings: self.settings.clone(), out: None };
-        let prepared = pipeline::prepare_source(&self.pipeline, &options)?;
+        let prepared = pipeline::prepare_source(&self.pipeline, &options, self.cache.open()?.as_ref())?;
         let output = self.output_file(&prepared);
         let previous = self.previous_markers(&output)?;
 

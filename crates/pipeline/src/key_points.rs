@@ -85,9 +85,9 @@ pub fn to_complete(prepared: &PreparedSource, points: &[SurfacePoint], before: &
 fn note(sequence: &MeshSequence, surface: &Surface, point: SurfacePoint) -> String {
     let at = point.position(surface, &surface.positions);
     let mut words = Vec::new();
-    let landmarks = sequence.landmarks.iter().map(|landmark| {
-        let there = on_surface(surface, landmark.point).position(surface, &surface.positions);
-        ((there - at).norm(), &landmark.name)
+    let landmarks = sequence.landmarks.iter().filter_map(|landmark| {
+        let there = surface.point(landmark.point)?.position(surface, &surface.positions);
+        Some(((there - at).norm(), &landmark.name))
     });
     if let Some((distance, name)) = landmarks.min_by(|a, b| a.0.total_cmp(&b.0)) {
         words.push(if distance == 0.0 { format!("at {name}") } else { format!("near {name}") });

@@ -26,8 +26,10 @@ pub mod placeholder;
 pub mod plan;
 pub mod progress;
 pub mod report;
+pub mod rest;
 mod run;
 pub mod schema;
+pub mod seam_points;
 pub mod spec;
 pub mod staging;
 #[cfg(test)]

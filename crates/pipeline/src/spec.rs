@@ -7,7 +7,7 @@ use mimesh_markers::MarkerFiles;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::one_or_many::OneOrMany;
+use crate::{one_or_many::OneOrMany, rest::Rest, seam_points::SeamPoint};
 
 /// A pipeline: a source with its poses, a target, and how the target takes the poses.
 ///
@@ -79,15 +79,29 @@ pub struct Pipeline {
 #[serde(default, deny_unknown_fields)]
 #[schemars(extend("x-renamed" = { "sample": "generator" }))]
 pub struct Source {
-    /// The mesh at rest.
+    /// The mesh at rest: a file, or `{ file: horse.glb, pose: stand }` for one of its poses in place of the file's own rest.
+    ///
+    /// Both rests should show the same shape, e.g. both animals standing. Where the file rests otherwise, a pose may serve.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub rest: Option<PathBuf>,
+    #[schemars(extend("examples" = ["horse.obj", { "file": "horse.glb", "pose": "stand" }]))]
+    pub rest: Option<Rest>,
     /// Its poses: a glob such as `horse-??.obj`, or a list of paths and globs; in natural order, without the rest mesh.
     ///
     /// A pose is called what the wildcards stand for, else like its file. Left out, the poses are those that the rest
     /// file holds (morph targets).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub poses: Option<OneOrMany>,
+    /// Boundaries are welded where their vertices are nearer to each other than this, relative to the diagonal; left out, where they
+    /// coincide exactly. For meshes whose triangles are apart by noise in the last digits.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0.0, max = 0.01))]
+    pub weld_tolerance: Option<f64>,
+    /// Vertices of the file, from 0, along boundaries that coincide at rest and open, such as closed lips: `12` parts from all that
+    /// lie at its place, and `[12, 40]` part from each other.
+    ///
+    /// Left out, what any pose parts by more than 1e-4 of the diagonal opens; `[]` opens nothing.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub opened_seams: Option<Vec<SeamPoint>>,
     /// Made instead of read.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub generator: Option<Box<dyn Generator>>,
@@ -101,6 +115,17 @@ pub struct Target {
     /// The mesh at rest.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rest: Option<PathBuf>,
+    /// Boundaries are welded where their vertices are nearer to each other than this, relative to the diagonal; left out, where they
+    /// coincide exactly. For meshes whose triangles are apart by noise in the last digits.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0.0, max = 0.01))]
+    pub weld_tolerance: Option<f64>,
+    /// Vertices of the file, from 0, along boundaries that coincide at rest and open, such as closed lips: `12` parts from all that
+    /// lie at its place, and `[12, 40]` part from each other.
+    ///
+    /// Left out, a target with the polygons of the source opens where the source does, and another opens nowhere.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub opened_seams: Option<Vec<SeamPoint>>,
     /// Made instead of read; its poses are the truth.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub generator: Option<Box<dyn Generator>>,

@@ -7,6 +7,7 @@ mod reattach;
 use std::path::{Path, PathBuf};
 
 use clap::Subcommand;
+use mimesh_core::mesh::Welding;
 use mimesh_document::diagnostic::{Diagnostic, Kind, Location, Result};
 use mimesh_markers::{
     AttachedMarkers, Exported, MarkerFile, MarkerFiles, MarkerMesh, MeshRole, PointSource, export, is_point_file,
@@ -154,7 +155,7 @@ fn read_mesh(file: &Path) -> Result<RestMesh> {
         return Err(diagnostic.hint("give files of points without an option, before the file to write").into());
     }
     let sequence = Formats::new(vec![]).reader_of(file)?.read(file).map_err(|error| in_file(file, error))?;
-    Ok(RestMesh::new(Some(file.into()), sequence).map_err(|error| in_file(file, error))?)
+    Ok(RestMesh::new(Some(file.into()), sequence, Welding::default()).map_err(|error| in_file(file, error))?)
 }
 
 /// Formats the fraction `value` in percent.

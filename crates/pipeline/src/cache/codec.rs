@@ -20,6 +20,10 @@ pub struct TransferSummary {
     pub motion: bool,
 }
 
+/// The pairs of vertices of a source that coincide at rest and part in its poses, sorted, the smaller vertex first.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct OpenedSeams(pub Vec<[u32; 2]>);
+
 /// A posed target with what the transfer reports of it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PosedTarget {
@@ -57,7 +61,7 @@ macro_rules! json_codec {
     };
 }
 
-json_codec!(ProximityGraph, TransferSummary, PoseMetrics);
+json_codec!(OpenedSeams, ProximityGraph, TransferSummary, PoseMetrics);
 
 impl CacheCodec for TriangleMap {
     fn encode(&self) -> Vec<u8> {

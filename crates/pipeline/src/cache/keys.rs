@@ -12,6 +12,7 @@ use serde_json::{Map, Value, json};
 
 use super::store::Key;
 use crate::{
+    formats::Formats,
     input::{FileHashes, GroundTruth, PoseFrom, PoseInput, Prepared, RestMesh, evenly_spaced},
     json::{to_bytes, to_value},
     schema::{SchemaNode, file_settings},
@@ -80,7 +81,11 @@ impl RunKeys {
                 ],
             )
         });
-        let poses: Vec<_> = prepared.poses.par_iter().map(|pose| hash_of_pose(prepared, &source, pose)).collect();
+        let poses: Vec<_> = prepared
+            .poses
+            .par_iter()
+            .map(|pose| hash_of_pose(&prepared.source, &source, pose, &prepared.formats, hashes))
+            .collect();
         let settings = to_value(&pipeline.transfer);
         let wanted = pipeline.transfer.as_ref().map_or(0, |transfer| transfer.poses_wanted());
         let transfer = StageKey::new(
@@ -140,6 +145,32 @@ pub fn proximity_key<S: Serialize + ?Sized>(
     proximity_of(stage, &hash_of_mesh(target), hashes, program)
 }
 
+/// The key of the seams of `source` that `poses` part, decided by `program`; `None` if a pose cannot be read.
+///
+/// `source` has all its seams welded.
+pub fn opened_seams_key(
+    source: &RestMesh,
+    poses: &[PoseInput],
+    formats: &Formats,
+    hashes: &FileHashes,
+    program: &str,
+) -> Option<StageKey> {
+    let of_source = hash_of_mesh(source);
+    let of_poses: Option<Vec<String>> = poses
+        .par_iter()
+        .map(|pose| Some(hash_of_pose(source, &of_source, pose, formats, hashes)?.to_hex().to_string()))
+        .collect();
+    Some(StageKey::new(
+        "opened_seams",
+        &[
+            ("program", program.into()),
+            ("weld_tolerance", source.welding.tolerance.into()),
+            ("source", of_source.into()),
+            ("poses", to_value(&of_poses?)),
+        ],
+    ))
+}
+
 fn proximity_of<S: Serialize + ?Sized>(stage: &S, target: &str, hashes: &FileHashes, program: &str) -> StageKey {
     let settings = to_value(stage);
     StageKey::new(
@@ -169,14 +200,21 @@ fn hash_of_chosen(poses: &[Option<Hash>], wanted: usize) -> Value {
     json!(blake3::hash(hex.join(" ").as_bytes()).to_hex().to_string())
 }
 
-fn hash_of_pose(prepared: &Prepared, source: &str, pose: &PoseInput) -> Option<Hash> {
+/// The hash of a pose of `source`, whose own hash is `of_source`.
+fn hash_of_pose(
+    source: &RestMesh,
+    of_source: &str,
+    pose: &PoseInput,
+    formats: &Formats,
+    hashes: &FileHashes,
+) -> Option<Hash> {
     let mut hasher = Hasher::new();
     match &pose.from {
-        PoseFrom::Held(i) => update_points(&mut hasher, &prepared.source.sequence.poses[*i].positions),
+        PoseFrom::Held(i) => update_points(&mut hasher, &source.sequence.poses[*i].positions),
         PoseFrom::File(path) => {
             // How a file is read may depend on the mesh at rest.
-            hasher.update(source.as_bytes());
-            update_file(&mut hasher, prepared, path)?;
+            hasher.update(of_source.as_bytes());
+            update_file(&mut hasher, formats, hashes, path)?;
         }
     }
     Some(hasher.finalize())
@@ -192,7 +230,7 @@ fn hash_of_truth(prepared: &Prepared, i: usize) -> Option<Hash> {
                 update_points(&mut hasher, positions);
             }
         }
-        GroundTruth::Files(files) => update_file(&mut hasher, prepared, &files[i])?,
+        GroundTruth::Files(files) => update_file(&mut hasher, &prepared.formats, &prepared.hashes, &files[i])?,
     }
     Some(hasher.finalize())
 }
@@ -200,13 +238,24 @@ fn hash_of_truth(prepared: &Prepared, i: usize) -> Option<Hash> {
 fn hash_of_mesh(mesh: &RestMesh) -> String {
     let mut hasher = Hasher::new();
     let rest = &mesh.sequence.rest;
-    let Surface { positions, triangles, polygon_of, vertex_of, representative, part_names, part_of, other_names } =
-        &mesh.surface;
+    let Surface {
+        positions,
+        triangles,
+        polygon_of,
+        vertex_of,
+        representative,
+        // Given by the positions at rest and the triangles.
+        strays: _,
+        part_names,
+        part_of,
+        other_names,
+    } = &mesh.surface;
     hasher.update(&(rest.positions.len() as u64).to_le_bytes());
     hasher.update(&(positions.len() as u64).to_le_bytes());
     update_points(&mut hasher, &rest.positions);
     update_points(&mut hasher, positions);
-    for numbers in [polygon_of, vertex_of, representative, part_of] {
+    let vertex_of: Vec<u32> = vertex_of.iter().map(|v| v.unwrap_or(u32::MAX)).collect();
+    for numbers in [polygon_of, &vertex_of, representative, part_of] {
         hasher.update(&(numbers.len() as u64).to_le_bytes());
         numbers.iter().for_each(|n| _ = hasher.update(&n.to_le_bytes()));
     }
@@ -225,9 +274,9 @@ fn update_points(hasher: &mut Hasher, points: &[Point3<f64>]) {
 }
 
 /// Adds a mesh file: its contents, and the settings of formats and the extension, on which its reading depends.
-fn update_file(hasher: &mut Hasher, prepared: &Prepared, path: &Path) -> Option<()> {
-    hasher.update(&to_bytes(prepared.formats.all()));
+fn update_file(hasher: &mut Hasher, formats: &Formats, hashes: &FileHashes, path: &Path) -> Option<()> {
+    hasher.update(&to_bytes(formats.all()));
     hasher.update(path.extension().unwrap_or_default().as_encoded_bytes());
-    hasher.update(prepared.hashes.hash(path)?.as_bytes());
+    hasher.update(hashes.hash(path)?.as_bytes());
     Some(())
 }

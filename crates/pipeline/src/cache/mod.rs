@@ -1,7 +1,7 @@
 //! Results of stages, cached under all that they depend on, so that a run computes only what is new.
 //!
 //! A key is the BLAKE3 hash of the program's identity, the stage's settings, the contents of its inputs and the keys of the
-//! stages before it; no time stamp or path takes part. Cached are the proximity graph, the triangle map, every posed target as
+//! stages before it; no time stamp or path takes part. Cached are the seams that open in the source, the proximity graph, the triangle map, every posed target as
 //! soon as it is done, and its measurements, so that a run that was killed goes on where it was. A bound transfer is no data; it
 //! is bound again if any pose is missing. Frames of one motion depend on those before, so that they are used only all together.
 
@@ -12,8 +12,8 @@ mod pose_cache;
 mod results;
 mod store;
 
-pub use codec::{CacheCodec, PosedTarget, TransferSummary};
-pub use keys::{RunKeys, StageKey, proximity_key};
+pub use codec::{CacheCodec, OpenedSeams, PosedTarget, TransferSummary};
+pub use keys::{RunKeys, StageKey, opened_seams_key, proximity_key};
 pub use last_run::{Change, LastRun};
 pub use pose_cache::PoseCache;
 pub use results::{Cache, DEFAULT_LIMIT, OTHER_CACHE_FOLDER, VARIABLE, WITHOUT_CACHE};

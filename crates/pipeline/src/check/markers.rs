@@ -14,6 +14,14 @@ impl RestMesh {
     pub fn for_markers(&self, role: MeshRole) -> MarkerMesh<'_> {
         MarkerMesh { role, mesh: &self.sequence.rest, surface: &self.surface }
     }
+
+    /// The mesh as its file has it, which points of marker files lie on; a pose may serve as the rest in its place.
+    fn as_in_file(&self, role: MeshRole) -> MarkerMesh<'_> {
+        match &self.of_file {
+            Some((mesh, surface)) => MarkerMesh { role, mesh, surface },
+            None => self.for_markers(role),
+        }
+    }
 }
 
 /// The markers between two meshes, as far as they can be had; a pipeline without files has those of equal landmarks.
@@ -46,7 +54,7 @@ pub(super) fn markers(
     }
     let read = PointSource::read(&files).map_err(|failure| found.diagnostics.extend(failure)).ok()?;
     let (source, target) = (source?, target?);
-    let attached = read.attach([source.for_markers(MeshRole::Source), target.for_markers(MeshRole::Target)], false);
+    let attached = read.attach([source.as_in_file(MeshRole::Source), target.as_in_file(MeshRole::Target)], false);
     let attached = attached.map_err(|failure| found.diagnostics.extend(failure)).ok()?;
     found.warnings.extend(attached.warnings);
     if let Some(file) = files.one() {
@@ -77,7 +85,7 @@ fn warn_of_changes(
     for (role, mesh) in MeshRole::BOTH.into_iter().zip(meshes) {
         let is_hashed = markers.reference(role).is_some_and(|reference| reference.blake3.is_some());
         let hash = mesh.path.as_ref().filter(|_| is_hashed).and_then(|path| hashes.hash(path));
-        found.warnings.extend(markers.stale_warning(file, mesh.for_markers(role), hash.as_deref()));
+        found.warnings.extend(markers.stale_warning(file, mesh.as_in_file(role), hash.as_deref()));
     }
 }
 

@@ -9,24 +9,27 @@ use super::{
     common::{Options, check_formats, check_registry, pipeline_files, refused_without_reason},
     findings::{Findings, Scope},
     markers::marker_files,
-    poses,
-    rest_meshes::{self, rest_mesh},
+    poses, rest_meshes,
     run_diagnostics::RunDiagnostics,
+    seams::SeamCache,
 };
 use crate::{
+    cache::Cache,
     compose::compose_source,
     formats::Formats,
-    input::{Meshes, PreparedSource},
+    input::{FileHashes, Meshes, PreparedSource},
     parse::{Parsed, Required, parse},
     schema::resolve_files,
 };
 
 /// Reads the source of the pipeline in `file`; of the rest only what concerns key points is looked at.
 ///
+/// Which of its seams open is taken from `cache` if it is there.
+///
 /// # Errors
 ///
 /// All that can be found wrong with that part without computing or reading poses.
-pub fn prepare_source(file: &Path, options: &Options) -> Result<PreparedSource> {
+pub fn prepare_source(file: &Path, options: &Options, cache: Option<&Cache>) -> Result<PreparedSource> {
     let (mut document, included, targets) = compose_source(file, &options.settings)?;
     resolve_files(&mut document);
     let mut found = Findings { inputs: pipeline_files(file, &included), ..Findings::default() };
@@ -35,7 +38,8 @@ pub fn prepare_source(file: &Path, options: &Options) -> Result<PreparedSource> 
     let scope = Scope { document: &document, formats: &formats, rejected: &rejected };
     check_registry(&mut found);
     check_formats(scope, &mut found);
-    let (source, poses) = poses::source(scope, &mut found, &pipeline.source);
+    let seam_cache = SeamCache { cache, hashes: &FileHashes::default() };
+    let (source, poses) = poses::source(scope, &mut found, &pipeline.source, seam_cache);
     let markers = pipeline.markers.as_ref().and_then(|files| marker_files(scope, files).one().cloned());
     finish(found, file)?;
     let source = source.ok_or_else(refused_without_reason)?;
@@ -55,8 +59,7 @@ pub fn prepare_meshes(file: &Path, options: &Options) -> Result<Meshes> {
     let Parsed { mut pipeline, rejected } = parse(&document, Required::Meshes, &mut found.diagnostics);
     let formats = Formats::new(std::mem::take(&mut pipeline.formats));
     let scope = Scope { document: &document, formats: &formats, rejected: &rejected };
-    let (rest, generator) = (pipeline.source.rest.as_deref(), pipeline.source.generator.as_deref());
-    let source = rest_mesh(scope, &mut found, "source", rest, generator);
+    let source = poses::rest_file(scope, &mut found, &pipeline.source);
     let target = rest_meshes::target(scope, &mut found, &pipeline.target);
     let markers = pipeline.markers.map(|files| marker_files(scope, &files));
     finish(found, file)?;

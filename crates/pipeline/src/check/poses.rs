@@ -8,32 +8,99 @@ use std::{
 use mimesh_document::{
     At, Step, path,
     paths::{identity, stem},
+    suggest::did_you_mean,
 };
 
 use super::{
     findings::{Findings, Scope},
-    rest_meshes::rest_mesh,
+    rest_meshes::{in_file, rest_mesh},
+    seams::{self, SeamCache},
 };
 use crate::{
     globs::{expand, is_glob, nearby},
-    input::{PoseFrom, PoseInput, RestMesh},
+    input::{PoseFrom, PoseInput, RestMesh, read_pose},
     one_or_many::OneOrMany,
+    rest::Rest,
     spec::Source,
 };
 
 /// The source and its poses, as far as they can be had.
-pub(super) fn source(scope: Scope<'_>, found: &mut Findings, source: &Source) -> (Option<RestMesh>, Vec<PoseInput>) {
+pub(super) fn source(
+    scope: Scope<'_>,
+    found: &mut Findings,
+    source: &Source,
+    by: SeamCache<'_>,
+) -> (Option<RestMesh>, Vec<PoseInput>) {
     if source.generator.is_some() && source.poses.is_some() {
         let hint = "a generator brings its own poses; remove `poses`";
         found.wrong(scope, &path(["source", "poses"]), At::Key, "`poses` beside `generator`", hint);
     }
-    let mesh = rest_mesh(scope, found, "source", source.rest.as_deref(), source.generator.as_deref());
+    let mesh = rest_file(scope, found, source);
     let poses = match (&source.poses, &mesh) {
-        (Some(patterns), _) => pose_files(scope, found, patterns, source.rest.as_deref()),
+        (Some(patterns), _) => pose_files(scope, found, patterns, source.rest.as_ref()),
         (None, Some(mesh)) => held_poses(scope, found, mesh),
         (None, None) => vec![],
     };
-    (mesh, with_unique_names(scope, found, poses))
+    let poses = with_unique_names(scope, found, poses);
+    let pose = source.rest.as_ref().and_then(|rest| rest.pose.as_deref());
+    let mesh = match (mesh, pose) {
+        (Some(mesh), Some(name)) => resting_at(scope, found, mesh, &poses, name),
+        (mesh, _) => mesh,
+    };
+    let Some(mut mesh) = mesh else { return (None, poses) };
+    match &source.opened_seams {
+        Some(points) if !seams::open_named(scope, found, "source", &mut mesh, points) => return (None, poses),
+        Some(_) => {}
+        None => seams::open_parted(scope, found, &mut mesh, &poses, by),
+    }
+    (Some(mesh), poses)
+}
+
+/// The source as its file or its generator has it at rest.
+pub(super) fn rest_file(scope: Scope<'_>, found: &mut Findings, source: &Source) -> Option<RestMesh> {
+    let rest = source.rest.as_ref().map(|rest| (rest.file.as_path(), at_file(scope)));
+    rest_mesh(scope, found, "source", rest, source.generator.as_deref(), source.weld_tolerance)
+}
+
+/// Where the document names the file of the source at rest.
+fn at_file(scope: Scope<'_>) -> Vec<Step> {
+    let rest = path(["source", "rest"]);
+    let is_mapping = scope.document.get(&rest).is_some_and(serde_json::Value::is_object);
+    if is_mapping { path(["source", "rest", "file"]) } else { rest }
+}
+
+/// The source with its pose `name` as its rest.
+fn resting_at(
+    scope: Scope<'_>,
+    found: &mut Findings,
+    mesh: RestMesh,
+    poses: &[PoseInput],
+    name: &str,
+) -> Option<RestMesh> {
+    let at = path(["source", "rest", "pose"]);
+    let Some(pose) = poses.iter().find(|pose| pose.name == name) else {
+        let names: Vec<&str> = poses.iter().map(|pose| pose.name.as_str()).collect();
+        let hint = did_you_mean(name, &names).unwrap_or_else(|| some_of(&names));
+        found.missing(scope, &at, format!("the source has no pose called `{name}`"), hint);
+        return None;
+    };
+    let file = match &pose.from {
+        PoseFrom::File(file) => Some(file.clone()),
+        PoseFrom::Held(_) => mesh.path.clone(),
+    };
+    let resting = read_pose(&mesh, scope.formats, &pose.from).and_then(|positions| mesh.resting_at(positions));
+    match (resting, file) {
+        (Ok(mesh), _) => return Some(mesh),
+        (Err(error), Some(file)) => found.diagnostics.push(in_file(&file, error)),
+        (Err(error), None) => found.wrong(scope, &at, At::Value, error.to_string(), "choose another pose"),
+    }
+    None
+}
+
+/// The names of poses in a hint, ten at most.
+fn some_of(names: &[&str]) -> String {
+    let more = if names.len() > 10 { ", …" } else { "" };
+    format!("poses: {}{more}", names[..names.len().min(10)].join(", "))
 }
 
 /// The poses that come with the rest mesh.
@@ -56,9 +123,9 @@ fn held_poses(scope: Scope<'_>, found: &mut Findings, mesh: &RestMesh) -> Vec<Po
 }
 
 /// The poses in the files that `patterns` stand for, without the rest mesh.
-fn pose_files(scope: Scope<'_>, found: &mut Findings, patterns: &OneOrMany, rest: Option<&Path>) -> Vec<PoseInput> {
+fn pose_files(scope: Scope<'_>, found: &mut Findings, patterns: &OneOrMany, rest: Option<&Rest>) -> Vec<PoseInput> {
     let slot = path(["source", "poses"]);
-    let rest = rest.map(|rest| identity(&scope.path(&path(["source", "rest"]), rest)));
+    let rest = rest.map(|rest| identity(&scope.path(&at_file(scope), &rest.file)));
     if patterns.items.is_empty() {
         found.wrong(scope, &slot, At::Value, "the sequence of poses is empty", "name at least one file");
     }

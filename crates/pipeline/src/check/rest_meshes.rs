@@ -2,30 +2,36 @@
 
 use std::path::Path;
 
-use mimesh_core::{Error, stage::Generator};
-use mimesh_document::{At, Diagnostic, Kind, Location, path};
+use mimesh_core::{Error, mesh::Welding, stage::Generator};
+use mimesh_document::{At, Diagnostic, Kind, Location, Step, path};
 use mimesh_markers::IntoDiagnostic;
 
-use super::findings::{Findings, Scope};
+use super::{
+    findings::{Findings, Scope},
+    noise::noise_warning,
+};
 use crate::{input::RestMesh, spec::Target};
 
-/// The target, as far as it can be had.
+/// The target with all its seams welded, as far as it can be had.
 pub(super) fn target(scope: Scope<'_>, found: &mut Findings, target: &Target) -> Option<RestMesh> {
-    let mesh = rest_mesh(scope, found, "target", target.rest.as_deref(), target.generator.as_deref())?;
+    let file = target.rest.as_deref().map(|file| (file, path(["target", "rest"])));
+    let mesh = rest_mesh(scope, found, "target", file, target.generator.as_deref(), target.weld_tolerance)?;
     Some(match target.mirrored {
         Some(axis) => mesh.mirrored(axis),
         None => mesh,
     })
 }
 
-/// The mesh of the slot `name`, read or made, as far as it can be had.
+/// The mesh of the slot `name`, read from the file named at a path or made, as far as it can be had.
 pub(super) fn rest_mesh(
     scope: Scope<'_>,
     found: &mut Findings,
     name: &'static str,
-    rest: Option<&Path>,
+    rest: Option<(&Path, Vec<Step>)>,
     generator: Option<&dyn Generator>,
+    weld_tolerance: Option<f64>,
 ) -> Option<RestMesh> {
+    let welding = Welding { tolerance: weld_tolerance.unwrap_or_default(), ..Welding::default() };
     match (rest, generator) {
         (Some(_), Some(_)) => {
             let hint = "a mesh is either read or made; remove one of the two";
@@ -42,14 +48,20 @@ pub(super) fn rest_mesh(
             }
             None
         }
-        (None, Some(generator)) => made(scope, found, name, generator),
-        (Some(rest), None) => read(scope, found, name, &scope.path(&path([name, "rest"]), rest)),
+        (None, Some(generator)) => made(scope, found, name, generator, welding),
+        (Some((rest, at)), None) => read(scope, found, name, &scope.path(&at, rest), &at, welding),
     }
 }
 
-fn made(scope: Scope<'_>, found: &mut Findings, name: &str, generator: &dyn Generator) -> Option<RestMesh> {
+fn made(
+    scope: Scope<'_>,
+    found: &mut Findings,
+    name: &str,
+    generator: &dyn Generator,
+    welding: Welding,
+) -> Option<RestMesh> {
     let at = path([name, "generator"]);
-    match generator.make().and_then(|made| RestMesh::new(None, made)) {
+    match generator.make().and_then(|made| RestMesh::new(None, made, welding)) {
         Ok(mesh) => Some(mesh),
         Err(error) if scope.is_reported(&error, &at) => None,
         Err(error) => {
@@ -60,25 +72,32 @@ fn made(scope: Scope<'_>, found: &mut Findings, name: &str, generator: &dyn Gene
     }
 }
 
-fn read(scope: Scope<'_>, found: &mut Findings, name: &str, file: &Path) -> Option<RestMesh> {
-    let at = path([name, "rest"]);
+fn read(
+    scope: Scope<'_>,
+    found: &mut Findings,
+    name: &str,
+    file: &Path,
+    at: &[Step],
+    welding: Welding,
+) -> Option<RestMesh> {
     let role = if name == "source" { "source rest" } else { "target rest" };
     let before = found.diagnostics.len();
-    found.check_empty(scope, &at);
-    if found.diagnostics.len() > before || !found.input(scope, role, file, &at) {
+    found.check_empty(scope, at);
+    if found.diagnostics.len() > before || !found.input(scope, role, file, at) {
         return None;
     }
     let format = match scope.formats.reader(file) {
         Ok(format) => format,
         Err(unknown) => {
-            found.wrong(scope, &at, At::Value, unknown.message, unknown.hint);
+            found.wrong(scope, at, At::Value, unknown.message, unknown.hint);
             return None;
         }
     };
-    match format.read(file).and_then(|sequence| RestMesh::new(Some(file.into()), sequence)) {
+    match format.read(file).and_then(|sequence| RestMesh::new(Some(file.into()), sequence, welding)) {
         Ok(mesh) => {
             let warnings = mesh.sequence.warnings.iter();
             found.warnings.extend(warnings.map(|warning| format!("{}: {warning}", file.display())));
+            found.warnings.extend(noise_warning(name, &mesh));
             Some(mesh)
         }
         Err(error) => {

@@ -21,8 +21,10 @@ use super::{
     markers::markers,
     metrics::{check_bound, gates, metrics},
     outputs::outputs,
+    rest_choice::warn_of_rest,
     rest_meshes::check_inside_out,
     run_diagnostics::RunDiagnostics,
+    seams::{SeamCache, open_like},
     shared::SharedMeshes,
     stages::{check_files, check_marker_count, check_stages, refused},
     writable::{Destination, conflict, name_reports},
@@ -72,7 +74,7 @@ pub fn prepare_all(file: &Path, options: &Options, cache: Option<&Cache>) -> Res
     let mut prepared = Vec::new();
     for (i, run) in runs.into_iter().enumerate() {
         match prepare_one(file, &included, run, options, &mut shared) {
-            Ok(one) => prepared.push(Prepared { reading: clock.stop("reading", "", Figures::default()), ..one }),
+            Ok(one) => prepared.push(Prepared { reading: clock.stop("reading", "", seam_figures(&one)), ..one }),
             Err(diagnostics) => collected.add(i, diagnostics),
         }
         clock = Clock::start();
@@ -87,6 +89,17 @@ pub fn prepare_all(file: &Path, options: &Options, cache: Option<&Cache>) -> Res
         first.warnings.splice(0..0, warnings);
     }
     Ok(prepared)
+}
+
+/// How many places of the source's and the target's seams open.
+fn seam_figures(prepared: &Prepared) -> Figures {
+    let mut figures = Figures::default();
+    for (name, mesh) in [("source_seams_opened", &prepared.source), ("target_seams_opened", &prepared.target)] {
+        if !mesh.welding.opened.is_empty() {
+            figures.set(name, mesh.welding.opened.len());
+        }
+    }
+    figures
 }
 
 /// What the runs of one file have in common.
@@ -117,8 +130,15 @@ fn prepare_one(
     let found_mut = &mut found;
     check_registry(found_mut);
     check_formats(scope, found_mut);
-    let (source, poses) = shared.meshes.source(scope, found_mut, &pipeline.source);
+    let seam_cache = SeamCache { cache: shared.cache, hashes: &shared.hashes };
+    let (source, poses) = shared.meshes.source(scope, found_mut, &pipeline.source, seam_cache);
     let target = shared.meshes.target(scope, found_mut, &pipeline.target);
+    let target = match &source {
+        Some(source) if pipeline.target.opened_seams.is_none() => {
+            target.map(|target| open_like(found_mut, source, target))
+        }
+        _ => target,
+    };
     check_inside_out(found_mut, source.as_deref(), target.as_deref());
     let files_of_markers = pipeline.markers.as_ref();
     let markers = markers(scope, found_mut, files_of_markers, source.as_deref(), target.as_deref(), &shared.hashes);
@@ -126,6 +146,7 @@ fn prepare_one(
     let metrics = metrics(scope, found_mut, pipeline.metrics.take(), &truth);
     let gates = gates(scope, found_mut, &pipeline.gates, &metrics, &truth);
     if let (Some(source), Some(target), Some(markers)) = (&source, &target, &markers) {
+        warn_of_rest(scope, found_mut, [source, target], &poses, markers);
         check_bound(scope, found_mut, &metrics, source, target, markers);
         found_mut.warnings.extend(handedness::warning_of_markers(source, target, markers));
     }

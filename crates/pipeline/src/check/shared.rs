@@ -7,7 +7,8 @@ use serde_json::Value;
 
 use super::{
     findings::{Findings, Scope},
-    poses, rest_meshes,
+    poses,
+    seams::{self, SeamCache},
 };
 use crate::{
     input::{InputFile, PoseInput, RestMesh},
@@ -35,16 +36,16 @@ struct Read<T> {
 
 impl SharedMeshes {
     /// The source and its poses, as far as they can be had.
-    pub fn source(&mut self, scope: Scope<'_>, found: &mut Findings, source: &Source) -> SourceMesh {
+    pub fn source(&mut self, scope: Scope<'_>, found: &mut Findings, source: &Source, by: SeamCache<'_>) -> SourceMesh {
         once(&mut self.sources, scope, found, "source", |found| {
-            let (mesh, poses) = poses::source(scope, found, source);
+            let (mesh, poses) = poses::source(scope, found, source, by);
             (mesh.map(Arc::new), poses)
         })
     }
 
     /// The target, as far as it can be had.
     pub fn target(&mut self, scope: Scope<'_>, found: &mut Findings, target: &Target) -> Option<Arc<RestMesh>> {
-        once(&mut self.targets, scope, found, "target", |found| rest_meshes::target(scope, found, target).map(Arc::new))
+        once(&mut self.targets, scope, found, "target", |found| seams::target(scope, found, target).map(Arc::new))
     }
 }
 

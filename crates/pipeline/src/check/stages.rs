@@ -9,7 +9,10 @@ use mimesh_core::{
 use mimesh_document::{At, Diagnostic, Kind, Step, path};
 use mimesh_markers::IntoDiagnostic;
 
-use super::findings::{Findings, Scope};
+use super::{
+    findings::{Findings, Scope},
+    noise::noise_warning,
+};
 use crate::{input::RestMesh, schema::FileSetting, spec::Pipeline};
 
 /// Checks the stages of `pipeline` against the meshes.
@@ -22,6 +25,7 @@ pub(super) fn check_stages(
     proximity: Option<&ProximityGraph>,
 ) {
     let [source, target] = meshes;
+    let before = found.diagnostics.len();
     let pair = TransferPair { source: &source.surface, target: target.seen_surface(), markers, proximity };
     if let Some(correspondence) = &pipeline.correspondence
         && let Err(error) = correspondence.check(pair)
@@ -32,6 +36,16 @@ pub(super) fn check_stages(
         && let Err(error) = transfer.check(pair)
     {
         refused(scope, found, "transfer", transfer.typetag_name(), error);
+    }
+    if found.diagnostics.len() > before
+        && let Some(noise) = noise_warning("target", target)
+    {
+        // What was refused may be that there are several components.
+        for diagnostic in &mut found.diagnostics.list[before..] {
+            let hint =
+                diagnostic.hint.take().map_or_else(|| noise.clone(), |hint| format!("{noise}; otherwise {hint}"));
+            diagnostic.hint = Some(hint);
+        }
     }
 }
 

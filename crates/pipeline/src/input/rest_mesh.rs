@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use mimesh_core::{
     Error,
-    mesh::{MeshSequence, Surface, inward_components},
+    mesh::{Mesh, MeshSequence, Seams, Surface, Welding, inward_components},
 };
 use nalgebra::Point3;
 
@@ -23,6 +23,10 @@ pub struct RestMesh {
     pub inward_components: Vec<u32>,
     /// The mirror image that stages see in place of the surface, and the axis along which it is mirrored.
     mirror_image: Option<(Axis, Surface)>,
+    /// How its seams are welded.
+    pub welding: Welding,
+    /// The mesh as its file has it at rest, with its surface, where a pose serves as the rest; points in files of markers lie on it.
+    pub of_file: Option<(Mesh, Surface)>,
 }
 
 /// Areas below this part of the squared diagonal are rounding errors of the positions.
@@ -34,17 +38,55 @@ impl RestMesh {
     /// # Errors
     ///
     /// As [`Surface::new`], and if no triangle has an area.
-    pub fn new(path: Option<PathBuf>, sequence: MeshSequence) -> Result<Self, Error> {
-        let mut surface = Surface::new(&sequence.rest)?;
+    pub fn new(path: Option<PathBuf>, sequence: MeshSequence, welding: Welding) -> Result<Self, Error> {
+        let (surface, inward_components) = outward_surface(&sequence.rest, &welding)?;
         let area: f64 = surface.area_normals(&surface.positions).iter().map(|normal| normal.norm()).sum();
         let diagonal = surface.diagonal();
         if area <= MIN_AREA * diagonal * diagonal {
             let shape = if diagonal == 0.0 { "all vertices lie on one point" } else { "all vertices lie on a line" };
             return Err(Error::data(format!("the mesh has no area: {shape}"), "export the mesh again with its shape"));
         }
-        let inward_components = inward_components(&surface);
-        surface.turn_components(&inward_components);
-        Ok(Self { path, surface, sequence, inward_components, mirror_image: None })
+        Ok(Self { path, surface, sequence, inward_components, mirror_image: None, welding, of_file: None })
+    }
+
+    /// The mesh with the pose at `positions` (#V of the file) as its rest.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`new`](Self::new).
+    pub fn resting_at(self, positions: Vec<Point3<f64>>) -> Result<Self, Error> {
+        let Self { path, mut sequence, surface, welding, .. } = self;
+        let posed = Mesh { positions, ..sequence.rest.clone() };
+        let at_rest = std::mem::replace(&mut sequence.rest, posed);
+        Ok(Self { of_file: Some((at_rest, surface)), ..Self::new(path, sequence, welding)? })
+    }
+
+    /// The seams of the mesh, opened or not.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Seams::new`].
+    pub fn seams(&self) -> Result<Seams, Error> {
+        Seams::new(&self.sequence.rest, self.welding.tolerance)
+    }
+
+    /// Whether the surface has fewer vertices than the faces of the file: some are welded.
+    pub fn has_seams(&self) -> bool {
+        self.surface.vertex_count() + self.surface.strays.len() < self.sequence.rest.positions.len()
+    }
+
+    /// Opens the seams between pairs of vertices of the file, sorted and the smaller first, and no others.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Surface::welded`].
+    pub fn open_seams(&mut self, opened: Vec<[u32; 2]>) -> Result<(), Error> {
+        self.welding.opened = opened;
+        (self.surface, self.inward_components) = outward_surface(&self.sequence.rest, &self.welding)?;
+        if let Some((axis, image)) = &mut self.mirror_image {
+            *image = self.surface.mirrored(axis.index());
+        }
+        Ok(())
     }
 
     /// Whether all components point inwards in the file.
@@ -74,4 +116,12 @@ impl RestMesh {
         }
         positions
     }
+}
+
+/// The surface of `mesh` with all triangles outwards, and the components that were turned.
+fn outward_surface(mesh: &Mesh, welding: &Welding) -> Result<(Surface, Vec<u32>), Error> {
+    let mut surface = Surface::welded(mesh, welding)?;
+    let inward = inward_components(&surface);
+    surface.turn_components(&inward);
+    Ok((surface, inward))
 }

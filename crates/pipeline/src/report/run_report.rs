@@ -108,7 +108,7 @@ pub struct MeshFigures {
     pub vertices: usize,
     /// Polygons of the file.
     pub polygons: usize,
-    /// Vertices after welding seams.
+    /// Vertices after welding seams, with those that no face uses.
     pub welded_vertices: usize,
     /// Triangles after cutting polygons.
     pub triangles: usize,
@@ -151,7 +151,7 @@ impl MeshFigures {
         Self {
             vertices: mesh.positions.len(),
             polygons: mesh.polygons.len(),
-            welded_vertices: side.surface.vertex_count(),
+            welded_vertices: side.surface.vertex_count() + side.surface.strays.len(),
             triangles: side.surface.triangle_count(),
             components: side.surface.components().count(),
             non_manifold_edges: Topology::new(&side.surface.triangles).non_manifold.len(),

@@ -306,11 +306,11 @@ fn posed_target(
     transfer: impl FnOnce(&[Point3<f64>]) -> Result<Transferred>,
 ) -> Result<PosedTarget> {
     let surface = &prepared.source.surface;
-    let opened = surface.opened_seams(posed)?;
+    let opened = surface.opened_seams(posed, 1e-6_f64.max(3.0 * prepared.source.welding.tolerance))?;
     let mut transferred = transfer(&surface.from_mesh(posed)?)?;
     if opened > 0 {
         transferred.figures.warn(format!(
-            "{opened} vertices of the source lie on a seam that is closed at rest and opens in this pose; it is taken for closed: move the two sides apart a little in the rest mesh if they are to open"
+            "{opened} vertices of the source lie on a seam that is closed at rest and opens in this pose; it is taken for closed: name them by `opened_seams` in `source` if they are to open"
         ));
     }
     let target = &prepared.target;
