@@ -1,6 +1,6 @@
 //! Which format reads or writes a path.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use mimesh_core::{
     Error, plugin,
@@ -44,31 +44,36 @@ impl Formats {
     ///
     /// # Errors
     ///
-    /// That there is none, with the extensions that are read.
+    /// [`Unknown`] with the extensions that are read.
     pub fn reader(&self, path: &Path) -> Result<&dyn Format, Unknown> {
         self.find(path, "read", |_| true)
+    }
+
+    /// All files that are read with `path`; `path` alone if it has no format.
+    pub fn files(&self, path: &Path) -> Vec<PathBuf> {
+        self.reader(path).map_or_else(|_| vec![path.into()], |format| format.files(path))
     }
 
     /// The format of the file `path`.
     ///
     /// # Errors
     ///
-    /// That there is no such file, or no format for it.
+    /// A diagnostic if there is no such file, or no format for it.
     pub fn reader_of(&self, path: &Path) -> diagnostic::Result<&dyn Format> {
         // Of a file that is not there its ending does not matter.
         let metadata = std::fs::metadata(path).map_err(|error| Error::read(path, error).into_diagnostic())?;
         if metadata.is_dir() {
             return Err(Error::read(path, std::io::ErrorKind::IsADirectory.into()).into_diagnostic().into());
         }
-        let told = |unknown: Unknown| Diagnostic::new(Kind::BadData, unknown.message).hint(unknown.hint);
-        Ok(self.reader(path).map_err(|unknown| told(unknown).at(Location::File(path.into())))?)
+        let unreadable = |unknown: Unknown| Diagnostic::new(Kind::BadData, unknown.message).hint(unknown.hint);
+        Ok(self.reader(path).map_err(|unknown| unreadable(unknown).at(Location::File(path.into())))?)
     }
 
     /// The format of `path`, which can write, and how.
     ///
     /// # Errors
     ///
-    /// That there is none, with the extensions that are written.
+    /// [`Unknown`] with the extensions that are written.
     pub fn writer(&self, path: &Path) -> Result<(&dyn Format, Writes), Unknown> {
         let format = self.find(path, "write", |format| format.writer().is_some())?;
         match format.writer() {
@@ -92,7 +97,7 @@ impl Formats {
     }
 }
 
-/// That no format fits.
+/// The error of a path that no format fits.
 #[derive(Debug)]
 pub struct Unknown {
     /// What is wrong.

@@ -1,4 +1,8 @@
-use std::{fmt::Debug, io::Write, path::Path};
+use std::{
+    fmt::Debug,
+    io::Write,
+    path::{Path, PathBuf},
+};
 
 use nalgebra::Point3;
 
@@ -36,6 +40,13 @@ pub trait Format: Debug + Send + Sync {
         let pose = self.read(path)?.rest;
         check_pose(path, rest, pose.positions.len(), &pose.polygons)?;
         Ok(pose.positions)
+    }
+
+    /// All files that reading `path` reads: `path` itself and those that it names, whether they exist or not.
+    ///
+    /// A cached result depends on the contents of each of them.
+    fn files(&self, path: &Path) -> Vec<PathBuf> {
+        vec![path.into()]
     }
 
     /// How this format writes; `None` if it only reads.

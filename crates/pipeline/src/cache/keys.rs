@@ -15,7 +15,7 @@ use crate::{
     formats::Formats,
     input::{FileHashes, GroundTruth, PoseFrom, PoseInput, Prepared, RestMesh, evenly_spaced},
     json::{to_bytes, to_value},
-    schema::{SchemaNode, file_settings},
+    schema::{FileSetting, SchemaNode, file_settings},
 };
 
 /// The key of a stage's result, and the inputs that it is the hash of.
@@ -53,11 +53,14 @@ pub struct RunKeys {
     poses: Vec<Option<Hash>>,
     /// The hash of the metrics with their settings.
     metrics: Hash,
-    /// The hash of the known result of each pose; `None` for one that cannot be read.
-    truths: Vec<Option<Hash>>,
+    /// The hash of the ground truth of each pose; `None` for one that cannot be read.
+    ground_truths: Vec<Option<Hash>>,
 }
 
 impl RunKeys {
+    /// The slots of the stages that run once, in their order.
+    pub const STAGES: [&'static str; 3] = ["proximity", "correspondence", "transfer"];
+
     /// The keys for `prepared`, computed by `program`.
     pub fn new(prepared: &Prepared, program: &str) -> Self {
         let (source, target) = (hash_of_mesh(&prepared.source), hash_of_mesh(&prepared.target));
@@ -67,12 +70,12 @@ impl RunKeys {
         let proximity_hex = to_value(&proximity.as_ref().map(StageKey::hex));
         let markers: Value = hash_of_markers(&prepared.markers).into();
         let correspondence = pipeline.correspondence.as_ref().map(|stage| {
-            let settings = to_value(stage);
+            let (settings, files) = settings_and_files("correspondence", to_value(stage), hashes);
             StageKey::new(
                 "correspondence",
                 &[
                     ("program", program.into()),
-                    ("files", hashes_of_files("correspondence", &settings, hashes)),
+                    ("files", files),
                     ("settings", settings),
                     ("source", source.clone().into()),
                     ("target", target.clone().into()),
@@ -86,13 +89,13 @@ impl RunKeys {
             .par_iter()
             .map(|pose| hash_of_pose(&prepared.source, &source, pose, &prepared.formats, hashes))
             .collect();
-        let settings = to_value(&pipeline.transfer);
+        let (settings, files) = settings_and_files("transfer", to_value(&pipeline.transfer), hashes);
         let wanted = pipeline.transfer.as_ref().map_or(0, |transfer| transfer.poses_wanted());
         let transfer = StageKey::new(
             "transfer",
             &[
                 ("program", program.into()),
-                ("files", hashes_of_files("transfer", &settings, hashes)),
+                ("files", files),
                 ("settings", settings),
                 ("source", source.into()),
                 ("target", target.into()),
@@ -102,17 +105,23 @@ impl RunKeys {
                 ("poses it learns from", hash_of_chosen(&poses, wanted)),
             ],
         );
-        let metrics = to_value(&prepared.metrics);
-        let metrics = blake3::hash(&to_bytes(&(program, hashes_of_files("metrics", &metrics, hashes), &metrics)));
-        let truths = (0..poses.len()).into_par_iter().map(|i| hash_of_truth(prepared, i)).collect();
-        Self { proximity, correspondence, transfer, poses, metrics, truths }
+        let metrics = settings_and_files("metrics", to_value(&prepared.metrics), hashes);
+        let metrics = blake3::hash(&to_bytes(&(program, metrics)));
+        let ground_truths = (0..poses.len()).into_par_iter().map(|i| hash_of_ground_truth(prepared, i)).collect();
+        Self { proximity, correspondence, transfer, poses, metrics, ground_truths }
+    }
+
+    /// The [stages](Self::STAGES) with their keys; `None` for one that the pipeline leaves out.
+    pub fn stages(&self) -> [(&'static str, Option<&StageKey>); 3] {
+        let keys = [self.proximity.as_ref(), self.correspondence.as_ref(), Some(&self.transfer)];
+        std::array::from_fn(|i| (Self::STAGES[i], keys[i]))
     }
 
     /// The key of the measurements of pose `i`, which depend on the two poses before it too.
     pub fn metrics(&self, i: usize, motion: bool) -> Option<Key> {
         let result = |i: usize| if motion { self.frame(i) } else { self.pose(i) };
         let before = |back: usize| i.checked_sub(back).and_then(result).map_or(blake3::hash(b"none"), |key| key.0);
-        Some(self.of_poses("judged", &[result(i)?.0, before(1), before(2), self.metrics, self.truths[i]?]))
+        Some(self.of_poses("metrics", &[result(i)?.0, before(1), before(2), self.metrics, self.ground_truths[i]?]))
     }
 
     /// The key of pose `i`'s result, where poses stand alone.
@@ -172,24 +181,26 @@ pub fn opened_seams_key(
 }
 
 fn proximity_of<S: Serialize + ?Sized>(stage: &S, target: &str, hashes: &FileHashes, program: &str) -> StageKey {
-    let settings = to_value(stage);
+    let (settings, files) = settings_and_files("proximity", to_value(stage), hashes);
     StageKey::new(
         "proximity",
-        &[
-            ("program", program.into()),
-            ("files", hashes_of_files("proximity", &settings, hashes)),
-            ("settings", settings),
-            ("target", target.into()),
-        ],
+        &[("program", program.into()), ("files", files), ("settings", settings), ("target", target.into())],
     )
 }
 
-/// The hashes of all files that the settings in `slot` declare, by path.
-fn hashes_of_files(slot: &str, settings: &Value, hashes: &FileHashes) -> Value {
+/// The `settings` in `slot` without the paths of files, and for each of these files its extension and its hash.
+fn settings_and_files(slot: &str, mut settings: Value, hashes: &FileHashes) -> (Value, Value) {
     let node = SchemaNode::pipeline().entry(&Step::Key(slot.into()), None);
-    let files = node.map(|node| file_settings(node, settings)).unwrap_or_default();
-    let hashed = |file: &Path| (file.to_string_lossy().into_owned(), to_value(&hashes.hash(file)));
-    Value::Object(files.iter().map(|setting| hashed(&setting.file)).collect())
+    let files = node.map(|node| file_settings(node, &settings)).unwrap_or_default();
+    let mut hashed = Vec::new();
+    for FileSetting { path, file } in files {
+        let extension = file.extension().unwrap_or_default().to_string_lossy().into_owned();
+        hashed.push(json!([extension, hashes.hash(&file)]));
+        if let Some(setting) = path.iter().try_fold(&mut settings, |value, step| step.get_mut(value)) {
+            *setting = Value::Null;
+        }
+    }
+    (settings, Value::Array(hashed))
 }
 
 /// The hash of the poses that a transfer learns from: `wanted` of `poses`.
@@ -220,8 +231,8 @@ fn hash_of_pose(
     Some(hasher.finalize())
 }
 
-/// The hash of the known result of pose `i`, or of there being none.
-fn hash_of_truth(prepared: &Prepared, i: usize) -> Option<Hash> {
+/// The hash of the ground truth of pose `i`, or of there being none.
+fn hash_of_ground_truth(prepared: &Prepared, i: usize) -> Option<Hash> {
     let mut hasher = Hasher::new();
     match &prepared.truth {
         GroundTruth::None => _ = hasher.update(b"none"),
@@ -273,10 +284,13 @@ fn update_points(hasher: &mut Hasher, points: &[Point3<f64>]) {
     points.iter().flat_map(|p| p.coords.as_slice()).for_each(|x| _ = hasher.update(&x.to_le_bytes()));
 }
 
-/// Adds a mesh file: its contents, and the settings of formats and the extension, on which its reading depends.
+/// Adds a mesh file: its contents and those of the files that it names, and the settings of formats and the extension, on which
+/// its reading depends.
 fn update_file(hasher: &mut Hasher, formats: &Formats, hashes: &FileHashes, path: &Path) -> Option<()> {
     hasher.update(&to_bytes(formats.all()));
     hasher.update(path.extension().unwrap_or_default().as_encoded_bytes());
-    hasher.update(hashes.hash(path)?.as_bytes());
+    for file in formats.files(path) {
+        hasher.update(hashes.hash(&file)?.as_bytes());
+    }
     Some(())
 }

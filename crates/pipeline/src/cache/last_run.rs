@@ -9,6 +9,9 @@ use super::{
 };
 use crate::{input::Prepared, json::to_bytes};
 
+/// The kind of its entry in the cache.
+const KIND: &str = "last_run";
+
 /// The inputs of the stages in the last run of a pipeline.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LastRun(Map<String, Value>);
@@ -27,15 +30,13 @@ pub enum Change {
 impl LastRun {
     /// The inputs of a run with `keys`.
     pub fn of(keys: &RunKeys) -> Self {
-        let RunKeys { proximity, correspondence, transfer, .. } = keys;
-        let stages = [("proximity", proximity.as_ref()), ("correspondence", correspondence.as_ref())];
-        let stages = stages.into_iter().chain([("transfer", Some(transfer))]);
+        let stages = keys.stages().into_iter();
         Self(stages.filter_map(|(name, key)| Some((name.into(), key?.inputs.clone().into()))).collect())
     }
 
     /// The last run of `prepared`; empty if there was none.
     pub fn read(store: &Store, prepared: &Prepared) -> Self {
-        match store.get("record", key(prepared)) {
+        match store.get(KIND, key(prepared)) {
             Lookup::Hit(bytes) => Self::decode(&bytes).unwrap_or_default(),
             _ => Self::default(),
         }
@@ -43,7 +44,7 @@ impl LastRun {
 
     /// Stores it; a failure only costs the reason in the next plan.
     pub fn store(&self, store: &Store, prepared: &Prepared) {
-        let _ = store.put("record", key(prepared), &self.encode());
+        let _ = store.put(KIND, key(prepared), &self.encode());
     }
 
     /// Why `stage`, with the key `key`, has no result now.

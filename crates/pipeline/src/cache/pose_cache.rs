@@ -3,6 +3,9 @@
 use super::{codec::PosedTarget, keys::RunKeys, results::Cache, store::Key};
 use crate::metrics::PoseMetrics;
 
+/// The kind of cached measurements.
+const METRICS: &str = "metrics";
+
 /// The cached results of a run's poses.
 #[derive(Clone, Copy, Debug)]
 pub struct PoseCache<'a> {
@@ -34,18 +37,18 @@ impl PoseCache<'_> {
 
     /// Whether there are measurements of pose `i`; they are not checked.
     pub fn contains_metrics(&self, i: usize) -> bool {
-        self.keys.metrics(i, self.motion).is_some_and(|key| self.cache.store.contains("judged", key))
+        self.keys.metrics(i, self.motion).is_some_and(|key| self.cache.store.contains(METRICS, key))
     }
 
     /// The cached measurements of pose `i`.
     pub fn metrics(&self, i: usize) -> Option<PoseMetrics> {
-        self.cache.get("judged", self.keys.metrics(i, self.motion)?)
+        self.cache.get(METRICS, self.keys.metrics(i, self.motion)?)
     }
 
     /// Stores the measurements of pose `i`.
     pub fn put_metrics(&self, i: usize, metrics: &PoseMetrics) {
         if let Some(key) = self.keys.metrics(i, self.motion) {
-            self.cache.put("judged", key, metrics);
+            self.cache.put(METRICS, key, metrics);
         }
     }
 

@@ -1,9 +1,9 @@
 //! A folder of results under their keys.
 //!
-//! An entry is a file of its own, named by its key, which begins with the BLAKE3 hash of the rest. It is written to a temporary
-//! file and renamed, so that any number of runs may share a folder: each finds an entry whole or not at all, and two that write
-//! the same one write the same bytes. The hash shows entries that a failing disk or a hand has changed; they are removed and
-//! computed again.
+//! An entry is a file of its own, named by its key; the file begins with the BLAKE3 hash of the rest. It is written to a temporary
+//! file and renamed, so that any number of runs may share a folder. Each run finds an entry whole or not at all, and two that
+//! write the same entry write the same bytes. The hash shows entries that a failing disk or a hand has changed. They are removed,
+//! and computed again.
 
 use std::{
     io::{self, Write},
@@ -18,6 +18,9 @@ const MAGIC: &[u8] = b"mimesh cache 1\n";
 
 /// The folder below the cache's that holds entries of this layout.
 const LAYOUT: &str = "v1";
+
+/// The first letters of the names of temporary files.
+const TEMPORARY: &str = ".tmp-";
 
 /// Temporary files of this age are removed; runs that were killed leave them.
 const STALE: Duration = Duration::from_secs(3600);
@@ -65,7 +68,7 @@ struct Listed {
 }
 
 impl Store {
-    /// The results in `folder`, which may grow to `limit` bytes; the folder is made when the first is kept.
+    /// The results in `folder`, which may grow to `limit` bytes; the folder is made when the first is stored.
     pub fn new(folder: &Path, limit: u64) -> Self {
         Self { folder: folder.join(LAYOUT), limit }
     }
@@ -101,7 +104,7 @@ impl Store {
         let write = || -> io::Result<()> {
             let folder = path.parent().unwrap_or(&self.folder);
             std::fs::create_dir_all(folder)?;
-            let mut temporary = tempfile::Builder::new().prefix(".aside-").tempfile_in(folder)?;
+            let mut temporary = tempfile::Builder::new().prefix(TEMPORARY).tempfile_in(folder)?;
             temporary.write_all(MAGIC)?;
             temporary.write_all(blake3::hash(contents).as_bytes())?;
             temporary.write_all(contents)?;
@@ -192,7 +195,7 @@ impl Store {
                 if name.len() == 64 && name.bytes().all(|c| c.is_ascii_hexdigit()) && metadata.is_file() {
                     let kind = kind.file_name().unwrap_or_default().to_string_lossy().into_owned();
                     listed.push(Listed { path, kind, bytes: metadata.len(), used });
-                } else if name.starts_with(".aside-") && used.elapsed().is_ok_and(|age| age > STALE) {
+                } else if name.starts_with(TEMPORARY) && used.elapsed().is_ok_and(|age| age > STALE) {
                     let _ = std::fs::remove_file(&path);
                 }
             }

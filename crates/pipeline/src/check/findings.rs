@@ -61,10 +61,17 @@ impl Findings {
         self.diagnostics.push(Diagnostic { kind: Kind::MissingInput, ..diagnostic });
     }
 
-    /// Notes that `path` is read; `false`, and a diagnostic at `at`, if there is no such file.
+    /// Notes that `path` and the files that it names are read; `false`, and a diagnostic at `at`, if there is no such file.
     pub fn input(&mut self, scope: Scope<'_>, role: &'static str, path: &Path, at: &[Step]) -> bool {
         if path.is_file() {
             self.inputs.push(InputFile { role, path: path.into() });
+            // Several files may share one that they name; that it is missing is reported when they are read.
+            for path in scope.formats.files(path).into_iter().filter(|file| file != path && file.is_file()) {
+                let named = InputFile { role: "mesh data", path };
+                if !self.inputs.contains(&named) {
+                    self.inputs.push(named);
+                }
+            }
             return true;
         }
         if path.is_dir() {

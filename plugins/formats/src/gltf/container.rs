@@ -1,6 +1,9 @@
 //! The files that a glTF consists of: JSON, binary chunk, data URIs, files beside it.
 
-use std::{borrow::Cow, path::Path};
+use std::{
+    borrow::Cow,
+    path::{Path, PathBuf},
+};
 
 use base64::{Engine, engine::general_purpose::STANDARD};
 use mimesh_core::{Error, Result};
@@ -25,14 +28,7 @@ impl Asset {
     /// extension without which its meshes cannot be read.
     pub fn read(path: &Path) -> Result<Self> {
         let bytes = std::fs::read(path).map_err(|source| Error::read(path, source))?;
-        let (json, binary) = if bytes.starts_with(b"glTF") {
-            chunks(&bytes).map_err(|message| Error::file(path, message, DAMAGED))?
-        } else {
-            (&bytes[..], None)
-        };
-        let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
-        let root: Root = serde_json::from_slice(json)
-            .map_err(|problem| Error::file(path, format!("not the JSON of a glTF: {problem}"), DAMAGED))?;
+        let (root, binary) = parse(path, &bytes)?;
         if !root.asset.version.starts_with("2.") {
             let message = format!("glTF version `{}`: expected 2.0", root.asset.version);
             return Err(Error::file(path, message, "convert the file to glTF 2.0, for example through Blender"));
@@ -42,6 +38,27 @@ impl Asset {
         let buffers = root.buffers.iter().enumerate().map(load).collect::<Result<_>>()?;
         Ok(Self { root, buffers })
     }
+
+    /// The files that a glTF consists of: `path`, then its buffers in files of their own; `path` alone if it cannot be read.
+    pub fn files(path: &Path) -> Vec<PathBuf> {
+        let root = std::fs::read(path).ok().and_then(|bytes| parse(path, &bytes).ok().map(|(root, _)| root));
+        let uris = root.iter().flat_map(|root| &root.buffers).filter_map(|buffer| buffer.uri.as_deref());
+        let beside = uris.filter(|uri| is_file(uri)).map(|uri| file_of(path, uri));
+        std::iter::once(path.to_path_buf()).chain(beside).collect()
+    }
+}
+
+/// The JSON and the binary chunk in the bytes of `path`.
+fn parse<'b>(path: &Path, bytes: &'b [u8]) -> Result<(Root, Option<&'b [u8]>)> {
+    let (json, binary) = if bytes.starts_with(b"glTF") {
+        chunks(bytes).map_err(|message| Error::file(path, message, DAMAGED))?
+    } else {
+        (bytes, None)
+    };
+    let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
+    let root = serde_json::from_slice(json)
+        .map_err(|problem| Error::file(path, format!("not the JSON of a glTF: {problem}"), DAMAGED))?;
+    Ok((root, binary))
 }
 
 const DAMAGED: &str = "the file is damaged or cut short: export it again";
@@ -128,7 +145,7 @@ fn load(path: &Path, index: usize, buffer: &Buffer, binary: Option<&[u8]>) -> Re
             return Err(Error::file(path, format!("buffer {index} lies at {uri}"), hint));
         }
         Some(uri) => {
-            let file = path.with_file_name(&*decoded(uri));
+            let file = file_of(path, uri);
             std::fs::read(&file).map_err(|source| Error::read(&file, source))?
         }
     };
@@ -137,6 +154,16 @@ fn load(path: &Path, index: usize, buffer: &Buffer, binary: Option<&[u8]>) -> Re
     }
     bytes.truncate(buffer.byte_length);
     Ok(bytes)
+}
+
+/// Whether `uri` names a file beside the glTF: it neither holds the data itself nor leads elsewhere.
+fn is_file(uri: &str) -> bool {
+    !uri.starts_with("data:") && !uri.contains("://")
+}
+
+/// The file that `uri` names, seen from the glTF `path`.
+fn file_of(path: &Path, uri: &str) -> PathBuf {
+    path.with_file_name(&*decoded(uri))
 }
 
 /// A relative URI as a path: `%20` is a space.
@@ -171,6 +198,20 @@ mod tests {
         assert_eq!(decoded("a b.bin"), "a b.bin");
         assert_eq!(decoded("a%20b%C3%A9.bin"), "a bé.bin");
         assert_eq!(decoded("100%.bin%4"), "100%.bin%4");
+    }
+
+    #[test]
+    fn the_files_of_a_gltf_are_itself_and_its_buffers_in_other_files() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("m.gltf");
+        let uris = ["a%20b.bin", "data:application/octet-stream;base64,AAAA", "https://example.org/c.bin", "d.bin"];
+        let buffers = uris.map(|uri| format!(r#"{{ "uri": "{uri}", "byteLength": 3 }}"#)).join(", ");
+        std::fs::write(&path, format!(r#"{{ "asset": {{ "version": "2.0" }}, "buffers": [{buffers}] }}"#)).unwrap();
+        let beside = ["m.gltf", "a b.bin", "d.bin"].map(|name| folder.path().join(name));
+        assert_eq!(Asset::files(&path), beside);
+        let damaged = folder.path().join("damaged.gltf");
+        std::fs::write(&damaged, "{").unwrap();
+        assert_eq!(Asset::files(&damaged), [damaged]);
     }
 
     #[test]

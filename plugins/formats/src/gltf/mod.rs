@@ -15,7 +15,7 @@ mod scene;
 mod schema;
 mod writer;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use mimesh_core::{
     Result,
@@ -27,6 +27,7 @@ use mimesh_core::{
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use container::Asset;
 use writer::{Options, Writer};
 
 register!(Format: Glb);
@@ -79,6 +80,10 @@ impl Format for Glb {
         reader::read(path)
     }
 
+    fn files(&self, path: &Path) -> Vec<PathBuf> {
+        Asset::files(path)
+    }
+
     fn writer(&self) -> Option<MeshWriter<'_>> {
         Some(MeshWriter::Sequence(self))
     }
@@ -100,6 +105,10 @@ impl Format for Gltf {
 
     fn read(&self, path: &Path) -> Result<MeshSequence> {
         reader::read(path)
+    }
+
+    fn files(&self, path: &Path) -> Vec<PathBuf> {
+        Asset::files(path)
     }
 
     fn writer(&self) -> Option<MeshWriter<'_>> {
