@@ -30,8 +30,8 @@ impl Name {
     pub fn new(given: &str) -> Result<Self> {
         Self::read(given).ok_or_else(|| {
             let proposed = proposed(given).unwrap_or_else(|| "my-sampler".into());
-            let message =
-                format!("`{given}` cannot name a crate: expected words in lower case with - or _ between them");
+            let expected = "words of lower-case letters and digits that begin with a letter, with - or _ between them";
+            let message = format!("`{given}` cannot name a crate: expected {expected}");
             wrong_name(message, format!("e.g. `{proposed}`")).into()
         })
     }
@@ -51,11 +51,9 @@ impl Name {
     ///
     /// A diagnostic if it has; its hint proposes another name.
     pub fn check(self, template: &Template) -> Result<Self> {
-        let code = template.library.lines().filter(|line| !line.trim_start().starts_with("//"));
-        let mut words = code.flat_map(|line| line.split(|c: char| !c.is_alphanumeric() && c != '_'));
         let is_reserved = RESERVED.split(' ').any(|word| word == self.snake)
-            || template.dependencies().any(|name| name == self.snake);
-        let is_used = words.any(|word| word == self.camel) || ["Some", "Self"].contains(&&*self.camel);
+            || template.dependencies.iter().any(|name| name.replace('-', "_") == self.snake);
+        let is_used = template.uses(&self.camel) || ["Some", "Self"].contains(&&*self.camel);
         if is_reserved || is_used {
             let message = format!("`{}` has a meaning of its own in Rust or in mimesh", self.kebab);
             return Err(wrong_name(message, format!("add a word, e.g. `my-{}`", self.kebab)).into());

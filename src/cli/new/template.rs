@@ -1,6 +1,6 @@
 //! The templates of new crates: files of mimesh's source under `templates/plugin`.
 //!
-//! A kind of stage has a template if `stages/KIND.rs` and `pipelines/KIND.yaml` are there; no code lists the kinds.
+//! A kind of stage has a template if `stages/KIND.rs` is there; its pipeline is `pipelines/KIND.yaml`. No code lists the kinds.
 
 use std::{fs, path::Path};
 
@@ -16,7 +16,9 @@ pub struct Template {
     /// The kind of stage.
     pub stage: String,
     /// The text of `src/lib.rs`: a stage that works.
-    pub library: String,
+    library: String,
+    /// The crates that the stage needs besides mimesh's own, sorted.
+    pub dependencies: Vec<String>,
     /// The text of `pipeline.yaml`.
     pipeline: String,
     /// The files that all kinds have in common, with their paths in the new crate.
@@ -33,11 +35,6 @@ const COMMON: [(&str, &str); 4] = [
     ("src/main.rs", "main.rs"),
     ("tests/contracts.rs", "contracts.rs"),
 ];
-
-/// Crates that stages may need besides mimesh's own. Nearly every stage needs the first [`ALWAYS_NEEDED`].
-const DEPENDENCIES: [&str; 5] = ["nalgebra", "schemars", "serde", "typetag", "rayon"];
-
-const ALWAYS_NEEDED: usize = 4;
 
 /// The kinds of stages that have a template in mimesh's source in `folder`, sorted; none if there is no source.
 pub fn kinds(folder: &Path) -> Vec<String> {
@@ -68,9 +65,11 @@ impl Template {
             };
             return Err(Diagnostic::new(Kind::Usage, message).hint(hint).into());
         }
+        let library = read_file(mimesh, &format!("stages/{stage}.rs"))?;
         Ok(Self {
             stage: stage.into(),
-            library: read_file(mimesh, &format!("stages/{stage}.rs"))?,
+            dependencies: dependencies(&library, mimesh),
+            library,
             pipeline: read_file(mimesh, &format!("pipelines/{stage}.yaml"))?,
             common: COMMON.iter().map(|(path, file)| Ok((*path, read_file(mimesh, file)?))).collect::<Result<_>>()?,
         })
@@ -81,10 +80,10 @@ impl Template {
         if self.pipeline.lines().any(|line| line.starts_with("key_points:")) { "keypoints" } else { "run" }
     }
 
-    /// The crates that the stage needs besides mimesh's own.
-    pub fn dependencies(&self) -> impl Iterator<Item = &'static str> {
-        let is_needed = |i: usize| i < ALWAYS_NEEDED || self.library.contains(&format!("{}::", DEPENDENCIES[i]));
-        (0..DEPENDENCIES.len()).filter(move |&i| is_needed(i)).map(|i| DEPENDENCIES[i])
+    /// Whether `word` has a meaning in the code of the stage.
+    pub fn uses(&self, word: &str) -> bool {
+        let code = self.library.lines().filter(|line| !line.trim_start().starts_with("//"));
+        code.flat_map(|line| line.split(|c: char| !c.is_alphanumeric() && c != '_')).any(|used| used == word)
     }
 
     /// Every file of a new crate with its path and text.
@@ -93,7 +92,8 @@ impl Template {
     ///
     /// A diagnostic if mimesh's `Cargo.toml` does not name the version of a dependency.
     pub fn files(&self, name: &Name, mimesh: &Source) -> Result<Vec<(&'static str, String)>> {
-        let dependencies = self.dependencies().map(|name| dependency_line(name, mimesh)).collect::<Result<Vec<_>>>()?;
+        let dependencies =
+            self.dependencies.iter().map(|name| dependency_line(name, mimesh)).collect::<Result<Vec<_>>>()?;
         let values = [
             ("my_dependencies", dependencies.join("\n")),
             ("my_core", toml_string(&mimesh.folder.join("crates/core"))),
@@ -113,6 +113,24 @@ impl Template {
         files.extend(mimesh.lock.clone().map(|lock| ("Cargo.lock", lock)));
         Ok(files)
     }
+}
+
+/// The crates that `library` names in `use` and in attributes, as far as mimesh depends on them; nearly every stage needs
+/// `nalgebra`.
+fn dependencies(library: &str, mimesh: &Source) -> Vec<String> {
+    let named = library.lines().filter_map(|line| {
+        let line = line.trim_start();
+        line.strip_prefix("use ").or_else(|| line.strip_prefix("#[").filter(|_| line.contains("::")))
+    });
+    let segments = named.filter_map(|path| path.split(|c: char| !c.is_alphanumeric() && c != '_').next());
+    let foreign = segments.filter(|segment| !segment.starts_with("mimesh"));
+    // In a manifest the name of a crate may have hyphens.
+    let spellings = foreign.flat_map(|segment| [segment.to_owned(), segment.replace('_', "-")]);
+    let mut known: Vec<String> = spellings.filter(|name| mimesh.dependency(name).is_some()).collect();
+    known.push("nalgebra".into());
+    known.sort();
+    known.dedup();
+    known
 }
 
 /// Reads a file of the templates.
@@ -168,11 +186,21 @@ mod tests {
             let template = Template::read(&kind, &mimesh).unwrap();
             let name = Name::new("quite-new").unwrap().check(&template).unwrap();
             for (file, text) in template.files(&name, &mimesh).unwrap() {
+                // The folder of mimesh's source may be called anything.
+                let text = text.replace(toml_string(&mimesh.folder).trim_matches('"'), "");
                 let markers = ["my_", "my-", "MyStage"];
                 assert!(file == "Cargo.lock" || !markers.iter().any(|m| text.contains(m)), "{file}: {text}");
             }
             assert!(template.pipeline.contains("type: my_stage"), "{kind}");
         }
+    }
+
+    #[test]
+    fn the_crates_that_a_stage_names_are_its_dependencies() {
+        let mimesh = Source::find(None).unwrap();
+        let library = "use std::fmt;\nuse mimesh_core::register;\nuse petgraph::graph::Graph;\nuse nalgebra_sparse::CscMatrix;\n\
+            #[derive(Clone)]\n#[typetag::serde(name = \"my_stage\")]\n// use kiddo::KdTree;\n";
+        assert_eq!(dependencies(library, &mimesh), ["nalgebra", "nalgebra-sparse", "petgraph", "typetag"]);
     }
 
     #[test]
