@@ -1,3 +1,5 @@
+//! Markers from the landmarks that two meshes bring.
+
 use std::collections::HashMap;
 
 use mimesh_core::mesh::{MeshPoint, MeshSequence};

@@ -1,3 +1,5 @@
+//! The points of a marker file on one mesh.
+
 use std::path::Path;
 
 use mimesh_core::mesh::{MeshPoint, SurfacePoint};

@@ -107,12 +107,6 @@ impl View {
         if scale.is_finite() { scale.max(0.0) } else { 0.0 }
     }
 
-    /// Returns width over height of the framed box: above 1 it suits a wide picture, below 1 a tall one.
-    pub fn aspect(&self) -> f64 {
-        let least = self.half.x.max(self.half.y) * 1e-3;
-        self.half.x.max(least) / self.half.y.max(least)
-    }
-
     /// Returns the view that frames the boxes of both views, for poses that come one by one.
     ///
     /// Its direction is that of `self`.
@@ -250,7 +244,6 @@ mod tests {
         {
             let view = View::fit(points, Direction::ThreeQuarter, UpAxis::Y);
             assert!(view.project(&one, 100.0, 100.0).is_some());
-            assert!(view.aspect() > 0.0);
         }
         assert!(
             View::fit([one], Direction::Front, UpAxis::Y).project(&Point3::from([f64::NAN; 3]), 9.0, 9.0).is_none()

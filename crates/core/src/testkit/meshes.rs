@@ -131,6 +131,36 @@ pub fn two_components() -> Surface {
     surface(positions, triangles)
 }
 
+/// A sphere of `rings` × `sectors` quads, cut into triangles and stretched by 1, 2 and 3. It is exactly symmetric across x = 0.
+pub fn ellipsoid(rings: usize, sectors: usize) -> (Vec<Point3<f64>>, Vec<[u32; 3]>) {
+    let mut positions = vec![Point3::new(0.0, 0.0, 3.0), Point3::new(0.0, 0.0, -3.0)];
+    let half = sectors / 2;
+    for ring in 1..rings {
+        let polar = std::f64::consts::PI * ring as f64 / rings as f64;
+        for sector in 0..sectors {
+            // One half is computed, the other its mirror image, so that symmetry holds to the last bit.
+            let (k, sign) = if sector < half { (sector, 1.0) } else { (sectors - 1 - sector, -1.0) };
+            let angle = std::f64::consts::PI * (k as f64 + 0.5) / half as f64 - std::f64::consts::FRAC_PI_2;
+            positions.push(Point3::new(
+                sign * polar.sin() * angle.cos(),
+                2.0 * polar.sin() * angle.sin(),
+                3.0 * polar.cos(),
+            ));
+        }
+    }
+    let at = |ring: usize, sector: usize| (2 + (ring - 1) * sectors + sector % sectors) as u32;
+    let mut triangles = Vec::new();
+    for sector in 0..sectors {
+        triangles.push([0, at(1, sector), at(1, sector + 1)]);
+        triangles.push([1, at(rings - 1, sector + 1), at(rings - 1, sector)]);
+        for ring in 1..rings - 1 {
+            let [a, b, c, d] = [at(ring, sector), at(ring + 1, sector), at(ring + 1, sector + 1), at(ring, sector + 1)];
+            triangles.extend([[a, b, c], [a, c, d]]);
+        }
+    }
+    (positions, triangles)
+}
+
 /// The wall of a cylinder about the y axis, radius 1, y = 0 to 1, of quads, cut open for its texture along one line.
 ///
 /// (`around` + 1)·(`along` + 1) vertices; those of the first and last column coincide, with texture u = 0 and u = 1.

@@ -102,19 +102,17 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::points::PointPosition;
+    use crate::{
+        formats::testing::{self, vertex},
+        points::PointPosition,
+    };
 
     fn read(text: &str) -> Result<PointFile> {
         parse(Path::new("m.json"), text)
     }
 
     fn positions(text: &str) -> Vec<(Option<String>, PointPosition)> {
-        read(text)
-            .unwrap_or_else(|failure| panic!("{failure}"))
-            .points
-            .into_iter()
-            .map(|p| (p.name, p.position))
-            .collect()
+        testing::positions(read(text))
     }
 
     fn first_lines(text: &str) -> Vec<String> {
@@ -124,10 +122,6 @@ mod tests {
 
     fn at(x: f64, y: f64, z: f64) -> PointPosition {
         PointPosition::InSpace(Point3::new(x, y, z))
-    }
-
-    fn vertex(vertex: u32) -> PointPosition {
-        PointPosition::OnMesh(MeshPoint::Vertex(vertex))
     }
 
     fn on_triangle(triangle: u32, barycentric: [f64; 3]) -> PointPosition {

@@ -8,6 +8,8 @@ mod json_syntax;
 pub mod pp;
 mod rows;
 pub mod table;
+#[cfg(test)]
+mod testing;
 pub mod wrap;
 pub mod yaml;
 mod yaml_point;

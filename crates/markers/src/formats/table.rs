@@ -29,11 +29,11 @@ const ON_TRIANGLE: [Column; 3] = [Column::Triangle, Column::U, Column::V];
 /// All that is wrong, each with its line.
 pub fn parse(file: &Path, text: &str) -> Result<PointFile> {
     let mut result = PointFile::new(file);
-    let lines = text.lines().map(str::trim).zip(1..).filter(|(text, _)| !text.is_empty() && !text.starts_with('#'));
-    let lines: Vec<(&str, usize)> = lines.collect();
+    let lines = text.lines().zip(1..).filter(|(text, _)| !text.trim().is_empty() && !text.trim().starts_with('#'));
+    let lines: Vec<(&str, usize)> = lines.map(|(text, line)| (without_blanks(text), line)).collect();
     let Some(&(head, first)) = lines.first() else { return Ok(result) };
     let location = |line| Location::Line { file: file.into(), line };
-    let separator = Separator::of(head);
+    let separator = Separator::of(head.trim());
     let rows = rows(&lines, separator);
     let mut diagnostics = Diagnostics::default();
     for row in rows.iter().filter(|row| row.spans_lines) {
@@ -64,6 +64,11 @@ pub fn parse(file: &Path, text: &str) -> Result<PointFile> {
     }
     diagnostics.extend(result.duplicate_names());
     diagnostics.into_result().map(|()| result)
+}
+
+/// `line` without blanks around it; a tab may be the end of an empty cell.
+fn without_blanks(line: &str) -> &str {
+    line.trim_matches(|c: char| c.is_whitespace() && c != '\t')
 }
 
 /// The text of a file with `points`: name, x, y and z.
@@ -129,18 +134,14 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::formats::testing::{self, vertex};
 
     fn read(text: &str) -> Result<PointFile> {
         parse(Path::new("m.csv"), text)
     }
 
     fn positions(text: &str) -> Vec<(Option<String>, PointPosition)> {
-        read(text)
-            .unwrap_or_else(|failure| panic!("{failure}"))
-            .points
-            .into_iter()
-            .map(|p| (p.name, p.position))
-            .collect()
+        testing::positions(read(text))
     }
 
     fn reported(text: &str) -> Vec<String> {
@@ -150,10 +151,6 @@ mod tests {
 
     fn named(name: &str, x: f64, y: f64, z: f64) -> (Option<String>, PointPosition) {
         (Some(name.into()), PointPosition::InSpace(Point3::new(x, y, z)))
-    }
-
-    fn vertex(vertex: u32) -> PointPosition {
-        PointPosition::OnMesh(MeshPoint::Vertex(vertex))
     }
 
     #[test]
@@ -169,6 +166,15 @@ mod tests {
         ] {
             assert_eq!(positions(text), expected, "{text}");
         }
+    }
+
+    #[test]
+    fn empty_cells_at_either_end_of_a_line_with_tabs_count() {
+        let expected = [named("n", 0.0, 1.0, 2.0)];
+        assert_eq!(positions("name\tx\ty\tz\tnote\nn\t0\t1\t2\t\n"), expected);
+        assert_eq!(positions("note\tname\tx\ty\tz\r\n\tn\t0\t1\t2\r\n"), expected);
+        assert_eq!(positions("n,0,1,2\t\n"), expected, "a tab at the end separates nothing");
+        assert_eq!(positions("\tn 0 1 2 \n"), expected, "nor does one at the beginning");
     }
 
     #[test]

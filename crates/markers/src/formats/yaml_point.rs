@@ -1,3 +1,5 @@
+//! A point of a `.yaml`: a vertex, or a place on a triangle.
+
 use std::fmt;
 
 use nalgebra::Point3;
