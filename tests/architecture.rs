@@ -20,6 +20,23 @@ const ARROWS: [(&str, &[&str]); 7] = [
 /// Crates of others that belong to a command line, which only the program may use.
 const COMMAND_LINE: [&str; 5] = ["clap", "clap_complete", "ctrlc", "indicatif", "terminal_size"];
 
+/// Subcommands of the program; `mimesh cache` is also how a cached result begins.
+const SUBCOMMANDS: [&str; 13] = [
+    "check",
+    "compare",
+    "inspect",
+    "keypoints",
+    "list",
+    "markers",
+    "new",
+    "plan",
+    "render",
+    "run",
+    "schema",
+    "score",
+    "show",
+];
+
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
@@ -68,6 +85,33 @@ fn crates_stand_only_on_those_below_them() {
             let Some(ours) = dependency.strip_prefix("mimesh-") else { continue };
             let below = if plugins.contains(ours) { "plugins" } else { ours };
             assert!(allowed.contains(&below), "{} must not stand on mimesh-{ours}", folder.display());
+        }
+    }
+}
+
+/// The files of Rust in `folder` and below.
+fn rust_files(folder: &Path) -> Vec<PathBuf> {
+    let entries = fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path());
+    let files = entries.flat_map(|path| if path.is_dir() { rust_files(&path) } else { vec![path] });
+    files.filter(|path| path.extension().is_some_and(|extension| extension == "rs")).collect()
+}
+
+/// The subcommand of the program that a line of code names; comments may name any.
+fn named_subcommand(line: &str) -> Option<&'static str> {
+    let code = if line.trim_start().starts_with("//") { "" } else { line };
+    code.split("mimesh ").skip(1).find_map(|rest| {
+        let word = rest.split(|c: char| !c.is_ascii_alphanumeric()).next().unwrap_or_default();
+        SUBCOMMANDS.into_iter().find(|subcommand| *subcommand == word)
+    })
+}
+
+#[test]
+fn libraries_name_no_command_of_the_program() {
+    assert_eq!(named_subcommand("\"see `mimesh show transfer`\""), Some("show"));
+    for file in rust_files(&root().join("crates")) {
+        for (text, line) in fs::read_to_string(&file).expect("a text").lines().zip(1..) {
+            // A remedy lets the program name its own commands.
+            assert_eq!(named_subcommand(text), None, "{}:{line}: {text}", file.display());
         }
     }
 }

@@ -97,6 +97,10 @@ fn score_compares_file_with_file_and_can_be_a_gate() {
     assert!((scored["over_poses"]["average"]["rms"].as_f64().unwrap() - expected).abs() < 1e-6);
     let gate = project.mimesh(&["score", "pose-1.obj", "rest.obj", "--at-most", "rms=0.1"]);
     assert_eq!(gate.status, 3);
+    for limit in ["rms=nan", "rms=inf", "rms=much"] {
+        let output = project.mimesh(&["score", "pose-1.obj", "rest.obj", "--at-most", limit]);
+        assert_eq!(output.status, 2, "{limit}: {}", output.stderr);
+    }
     let unequal = project.mimesh(&["score", "pose-*.obj", "rest.obj"]);
     assert_eq!((unequal.status, unequal.stderr.lines().next()), (2, Some("error: 3 results, but 1 known result")));
 }

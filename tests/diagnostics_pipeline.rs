@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{PIPELINE, Project, assert_stderr};
+use common::{PIPELINE, Project, assert_stderr, diagnostics};
 
 #[test]
 fn no_pipeline() {
@@ -259,4 +259,39 @@ fn an_output_folder_that_is_a_file() {
     let expected = "error: --out rest.obj: cannot write rest.obj/1.obj: rest.obj is not a folder\n  \
                     hint: choose another folder for the results: `--out DIR`\n";
     assert_eq!((output.status, output.stderr.as_str()), (73, expected));
+}
+
+#[test]
+fn placeholders_in_the_wrong_place() {
+    let project = Project::new();
+    project.edit("out/{pose}.obj", "[\"of/{pose}/mesh.obj\", \"{who}/{pose}.obj\", \"out/{pose}.html\"]");
+    project.edit("output:", "keep_correspondence: on/map-{pose}.json\noutput:");
+    let expected = [
+        "p.yaml:5:22: the correspondence is one file, so its name cannot have `{pose}`",
+        "p.yaml:6:10: `{pose}` in the name of a folder: poses share their folder",
+        "p.yaml:6:33: unknown placeholder `{who}`",
+        "p.yaml:6:53: out/{pose}.html shows all poses, so its name cannot have `{pose}`",
+    ];
+    assert_eq!(diagnostics(&project, &[]), expected);
+    // Another folder for the results does not hide them.
+    let output = project.mimesh(&["check", "p.yaml", "--out", "{elsewhere}"]);
+    let found: Vec<_> = output.stderr.lines().filter_map(|line| line.strip_prefix("error: ")).collect();
+    assert_eq!(found, expected);
+}
+
+#[test]
+fn every_wrong_metric_at_its_own_entry() {
+    let project = Project::new();
+    project.edit(
+        "output:",
+        "metrics:\n  - { type: volum }\n  - { type: point_error }\n  - { type: volume }\n  - { type: volume }\noutput:",
+    );
+    assert_eq!(
+        diagnostics(&project, &[]),
+        [
+            "p.yaml:6:13: unknown metric `volum`",
+            "p.yaml:7:5: the metric `point_error` without `truth`",
+            "p.yaml:9:5: the metric `volume` a second time",
+        ]
+    );
 }

@@ -108,6 +108,40 @@ fn existing_markers_are_not_replaced_without_an_option() {
     assert!(output.stderr.contains("k.cons: key points are written as .yaml"), "{}", output.stderr);
 }
 
+#[test]
+fn the_curve_replaces_no_other_file() {
+    let project = project();
+    let before = project.read("rest.obj");
+    for curve in ["rest.obj", "k.yaml", "out"] {
+        let output = project.mimesh(&["keypoints", "p.yaml", "--output", "k.yaml", "--curve", curve]);
+        assert_eq!(output.status, 2, "{}", output.stderr);
+        assert!(output.stderr.contains(&format!("--curve {curve}: expected a .svg file")), "{}", output.stderr);
+        assert!(!project.has("k.yaml"), "nothing is written");
+    }
+    assert_eq!(project.read("rest.obj"), before);
+    #[cfg(unix)]
+    {
+        // Another name of an input is that input.
+        std::os::unix::fs::symlink(project.path("rest.obj"), project.path("rest.svg")).expect("a link");
+        let output = project.mimesh(&["keypoints", "p.yaml", "--curve", "rest.svg"]);
+        assert_eq!(output.status, 73, "{}", output.stderr);
+        assert!(output.stderr.contains("--curve rest.svg: the pipeline reads this file"), "{}", output.stderr);
+        assert_eq!(project.read("rest.obj"), before);
+    }
+}
+
+#[test]
+fn other_slots_may_use_what_the_matrix_defines() {
+    let project = project();
+    project.edit("output:", "matrix: { variables.t: [0.1, 0.2] }\ngates: { volume: ${t} }\noutput:");
+    let output = project.mimesh(&["keypoints", "p.yaml"]);
+    assert_eq!(output.status, 0, "{}", output.stderr);
+    project.edit("threshold: 0,", "threshold: ${t},");
+    let output = project.mimesh(&["keypoints", "p.yaml", "--force"]);
+    assert_eq!(output.status, 78, "{}", output.stderr);
+    assert!(output.stderr.contains("undefined variable `t`"), "{}", output.stderr);
+}
+
 #[cfg(unix)]
 #[test]
 fn an_interrupted_search_is_written_and_resumed_to_the_same_end() {

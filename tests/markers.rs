@@ -146,19 +146,25 @@ fn a_pipeline_names_a_file_for_each_side() {
 }
 
 #[test]
-fn points_without_names_are_paired_by_order_if_there_are_as_many() {
+fn meshes_of_a_pipeline_are_read_whatever_its_other_slots_say() {
     let project = project("m.cons");
-    project.write("s.csv", "0,0,3\n0,0,-3\n");
-    project.write("t.csv", "a,0,0,-6\nb,0,0,6\n");
-    assert_eq!(converted(&project, &["s.csv", "t.csv"]), "2\n0, 1\n1, 0\n");
-    project.write("t.csv", "a,0,0,-6\n");
-    let output = markers(&project, "convert", &["s.csv", "t.csv", "x.cons"], &MESHES);
-    assert_eq!(output.status, 65);
-    assert_eq!(
-        output.stderr,
-        "error: s.csv: the points cannot be paired: no name is on both sides, and s.csv has 2, t.csv 1\n  hint: call partners \
-         alike, or bring as many points in the same order\n"
+    project.write("m.cons", "1\n5, 5\n");
+    let whole = project.read("p.yaml");
+    project.write("p.yaml", &format!("{whole}matrix: {{ variables.t: [0.1, 0.2] }}\ngates: {{ volume: ${{t}} }}\n"));
+    let output = markers(&project, "convert", &["m.cons", "n.cons"], &["--pipeline", "p.yaml"]);
+    assert_eq!(output.status, 0, "{}", output.stderr);
+
+    let target = whole.lines().find(|line| line.starts_with("target:")).expect("a target");
+    let targets = target.replace("target: ", "targets: { a: ") + ", b: { rest: target.obj } }";
+    project.write("p.yaml", &whole.replace(target, &targets));
+    let output = markers(&project, "convert", &["m.cons", "o.cons"], &["--pipeline", "p.yaml"]);
+    assert_eq!(output.status, 2, "{}", output.stderr);
+    assert!(
+        output.stderr.contains("p.yaml: the pipeline has several targets (a, b), expected one"),
+        "{}",
+        output.stderr
     );
+    assert!(output.stderr.contains("`--source MESH --target MESH`"), "{}", output.stderr);
 }
 
 #[test]
@@ -179,55 +185,16 @@ fn points_in_another_unit_or_with_other_axes_are_reported_and_fitted() {
         [5, 17, 40, 52, 70].map(row).concat()
     };
     project.write("t.csv", &rows(&|at| at.map(|x| 2.0 * x)));
-    // Centimetres for metres; Blender's axes for those of an OBJ; both.
-    for (text, fit) in [
-        (rows(&|at| at.map(|x| 100.0 * x)), "times 0.01:"),
-        (rows(&|at| at.map(|x| 0.001 * x)), "times 1000:"),
-        (rows(&|[x, y, z]| [x, -z, y]), "turned from Z up to Y up, (x, y, z) to (x, z, -y):"),
-        (rows(&|[x, y, z]| [100.0 * x, 100.0 * z, -100.0 * y]), "times 0.01 and turned from Y up to Z up"),
-    ] {
-        project.write("s.csv", &text);
-        let output = project.mimesh(&["check", "p.yaml"]);
-        assert_eq!(output.status, 65, "{fit}");
-        assert!(output.stderr.contains(&format!("they would fit {fit}")), "{fit}\n{}", output.stderr);
-        let options = [&MESHES[..], &["--fit", "--force"]].concat();
-        let output = markers(&project, "convert", &["s.csv", "t.csv", "fitted.cons"], &options);
-        assert_eq!(output.status, 0, "{fit}\n{}", output.stderr);
-        assert_eq!(project.read("fitted.cons"), "5\n5, 5\n17, 17\n40, 40\n52, 52\n70, 70\n", "{fit}");
-    }
-}
-
-#[test]
-fn a_point_off_the_surface_is_named_with_both_boxes() {
-    let project = project("{ source: s.csv, target: t.csv }");
-    project.write("t.csv", "a,0,0,6\nb,0,0,-6\nc,0,0,6\n");
-    project.write("s.csv", "a,0,0,3\nb,0,0,-3\nc,9,0,0\n");
+    // Centimetres for metres, and an OBJ's axes for Blender's.
+    project.write("s.csv", &rows(&|[x, y, z]| [100.0 * x, 100.0 * z, -100.0 * y]));
     let output = project.mimesh(&["check", "p.yaml"]);
-    assert!(
-        output.stderr.starts_with(
-            "error: s.csv:3: point c lies 109 % of the diagonal off the source: expected 5 % at most; the points span x 0 to 9, \
-             y 0 to 0, z -3 to 3, the source x -0.966 to 0.966, y -1.93 to 1.93, z -3 to 3\n  hint: pick these points again"
-        ),
-        "{}",
-        output.stderr
-    );
-}
-
-#[test]
-fn exchanged_files_of_points_are_reported() {
-    let project = project("{ source: t.csv, target: s.csv }");
-    let row = |v: usize, factor: f64| {
-        let [x, y, z] = position(v, factor);
-        format!("n{v},{x},{y},{z}\n")
-    };
-    project.write("s.csv", &[5, 40, 70].map(|v| row(v, 1.0)).concat());
-    project.write("t.csv", &[5, 40, 70].map(|v| row(v, 2.0)).concat());
-    let output = project.mimesh(&["check", "p.yaml"]);
-    assert_eq!(
-        output.stderr,
-        "error: t.csv: the points of t.csv lie on the target, and those of s.csv on the source\n  hint: exchange the two \
-         files, or `source` and `target`\n"
-    );
+    assert_eq!(output.status, 65);
+    let expected = "they would fit times 0.01 and turned from Y up to Z up";
+    assert!(output.stderr.contains(expected) && output.stderr.contains("--fit"), "{}", output.stderr);
+    let options = [&MESHES[..], &["--fit"]].concat();
+    let output = markers(&project, "convert", &["s.csv", "t.csv", "fitted.cons"], &options);
+    assert_eq!(output.status, 0, "{}", output.stderr);
+    assert_eq!(project.read("fitted.cons"), "5\n5, 5\n17, 17\n40, 40\n52, 52\n70, 70\n");
 }
 
 #[test]
@@ -246,6 +213,18 @@ fn numbers_from_one_are_reported_and_counted_down() {
     assert_eq!(output.status, 0, "{}", output.stderr);
     let end = last - 1;
     assert_eq!(project.read("zero.cons"), format!("3\n5, 5\n40, 40\n{end}, {end}\n"));
+
+    project.write("zero.csv", "nose,0\n");
+    for (files, expected) in [
+        (&["zero.cons", "again.cons"][..], "error: --from-one: vertex 0, but `--from-one` counts from 1"),
+        (&["zero.csv", "zero.csv", "again.cons"], "error: --from-one: it counts the numbers of a .cons or .yaml only"),
+    ] {
+        project.write("zero.cons", "1\n0, 0\n");
+        let output = markers(&project, "convert", files, &[&MESHES[..], &["--from-one", "both"]].concat());
+        assert_eq!(output.status, 2, "{}", output.stderr);
+        assert!(output.stderr.starts_with(expected), "{}", output.stderr);
+        assert!(!project.has("again.cons"));
+    }
 }
 
 #[test]
@@ -260,6 +239,16 @@ fn existing_files_and_wrong_names_are_refused() {
     ] {
         let output = markers(&project, "convert", &["m.cons", out], &MESHES);
         assert_eq!((output.status, output.stderr.starts_with(expected)), (status, true), "{}", output.stderr);
+    }
+    project.write("points.tsv", "nose\t5\n");
+    for (files, expected) in [
+        (&["points.tsv", "y.yaml"][..], "error: points.tsv: a .tsv holds the points of one mesh only"),
+        (&["points.tsv", "m.cons", "y.yaml"], "error: m.cons: this file holds both sides of the markers"),
+        (&["points.xyz", "y.yaml"], "error: points.xyz: not a file of markers"),
+    ] {
+        let output = markers(&project, "convert", files, &MESHES);
+        assert_eq!((output.status, output.stderr.starts_with(expected)), (2, true), "{}", output.stderr);
+        assert!(!output.stderr.contains("`markers:"), "no pipeline is at hand: {}", output.stderr);
     }
     let output = markers(&project, "convert", &["m.cons", "y.cons"], &[]);
     assert_eq!(output.status, 2);

@@ -213,6 +213,42 @@ fn runs_are_compared_in_a_table_as_json_and_on_a_page() {
 }
 
 #[test]
+fn results_of_several_folders_are_found_beside_their_report_and_where_they_are() {
+    let project = Project::new();
+    gallop(&project, "");
+    for folder in ["a", "b"] {
+        let output = format!("output=[pages/{folder}/report.html, meshes/{folder}/camel.glb]");
+        assert_eq!(project.mimesh(&["run", "g.yaml", "-q", "--set", &output]).status, 0);
+    }
+    let compared = |first: &str| project.mimesh(&["compare", first, "pages/b", "--out", "c.html"]);
+    let output = compared("pages/a");
+    assert_eq!((output.status, output.stderr.as_str()), (0, ""), "all files are found");
+    assert_eq!(project.read("c.html").matches("<img ").count(), 2 * 4);
+    // The page moves with the report, the meshes stay.
+    fs::rename(project.path("pages/a"), project.path("moved")).unwrap();
+    let output = compared("moved");
+    assert_eq!((output.status, output.stderr.as_str()), (0, ""), "all files are found");
+    let own = project.mimesh(&["compare", "moved", "pages/b", "--out", "moved/report.html"]);
+    assert_eq!(own.status, 73, "{}", own.stderr);
+}
+
+#[test]
+fn a_chart_shows_the_gate_of_its_own_statistic() {
+    let project = Project::new();
+    gallop(&project, "gates: { point_error: 90, point_error_p95: 0.001 }");
+    assert_eq!(project.mimesh(&["run", "g.yaml", "-q"]).status, 3);
+    let page = project.read("out/report.html");
+    // How far below the upper edge of the picture the limit is drawn.
+    let limit = |statistic: &str| -> f64 {
+        let chart = page.split(&format!("point error, {statistic}</text>")).nth(1).expect(statistic);
+        let line = chart.split("class=\"limit\"").nth(1).expect("a limit");
+        line.split("y1=\"").nth(1).and_then(|y| y.split('"').next()?.parse().ok()).expect("a number")
+    };
+    // 90 % is far above the curve, and 0.001 % at its foot.
+    assert!(limit("p95") > limit("mean") + 50.0, "{} and {}", limit("p95"), limit("mean"));
+}
+
+#[test]
 fn meshes_are_drawn_into_a_picture_of_the_size_asked_for() {
     let project = Project::new();
     let output = project.mimesh(&["render", "pose-*.obj", "--out", "p.png", "--size", "100", "--columns", "3"]);
@@ -226,6 +262,7 @@ fn meshes_are_drawn_into_a_picture_of_the_size_asked_for() {
     let output = project.mimesh(&["render", "pose-1.obj", "--truth", "pose-2.obj", "--out", "e.png"]);
     assert_eq!(output.status, 0, "{}", output.stderr);
 
+    project.write("small.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
     for (arguments, status, expected) in [
         (&["render", "rest.obj", "--out", "x.jpg"][..], 2, "expected a .png file"),
         (&["render", "no.obj", "--out", "x.png"], 66, "no.obj: no such file"),
@@ -236,6 +273,7 @@ fn meshes_are_drawn_into_a_picture_of_the_size_asked_for() {
             "cannot be used with",
         ),
         (&["render", "rest.obj", "--markers", "gone.cons", "--out", "x.png"], 66, "gone.cons"),
+        (&["render", "rest.obj", "--truth", "small.obj", "--out", "x.png"], 65, "small.obj: "),
     ] {
         let output = project.mimesh(arguments);
         assert_eq!(output.status, status, "{}", output.stderr);

@@ -55,6 +55,23 @@ fn stages(of: &[(&str, bool)]) -> Vec<(String, bool)> {
     of.iter().map(|(stage, reused)| (stage.to_string(), *reused)).collect()
 }
 
+/// The step of a stage in `mimesh plan p.yaml`: what is done with it, and why.
+#[track_caller]
+fn planned(project: &Project, stage: &str, more: &[&str]) -> (String, String) {
+    let plan = project.mimesh(&[&["plan", "p.yaml", "--json"], more].concat()).json();
+    let step = plan["steps"].as_array().expect("steps").iter().find(|step| step["stage"] == stage);
+    let text = |key: &str| step.expect(stage)[key].as_str().expect(key).to_owned();
+    (text("action"), text("why"))
+}
+
+/// The inodes of the entries of a kind in the cache of a project: an entry that is written again has another one.
+#[cfg(unix)]
+fn inodes(project: &Project, kind: &str) -> Vec<(PathBuf, u64)> {
+    use std::os::unix::fs::MetadataExt;
+    let inode = |path: PathBuf| fs::metadata(&path).map(|metadata| (path, metadata.ino())).expect("an entry");
+    entries(&project.cache().join("v1").join(kind)).into_iter().map(inode).collect()
+}
+
 /// The files of all entries of a cache, but for temporary ones.
 fn entries(folder: &Path) -> Vec<PathBuf> {
     let mut found = Vec::new();
@@ -133,12 +150,103 @@ fn files_count_by_their_contents_and_not_by_name_or_time() {
     let report = run(&project, &[]);
     // `copy_displacement` learns from no pose, so that the others stand.
     assert_eq!(reused(&report).1, 2);
-    let plan = project.mimesh(&["plan", "p.yaml"]).stdout;
-    assert!(plan.contains("poses") && plan.contains("reuse"), "{plan}");
+    assert_eq!(planned(&project, "poses", &[]).0, "reuse");
     // Renamed, it is the same pose under another name.
     fs::rename(project.path("pose-2.obj"), project.path("pose-3.obj")).expect("another name");
     assert_eq!(reused(&run(&project, &[])).1, 3);
     assert!(project.has("out/3.obj"));
+}
+
+/// A glTF of a tetrahedron, its last corner at `height`: the text, and the bytes of its buffer in the file `buffer`.
+fn tetrahedron(buffer: &str, height: f32) -> (String, Vec<u8>) {
+    let corners: [[f32; 3]; 4] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, height]];
+    let triangles: [u16; 12] = [0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3];
+    let positions = corners.iter().flatten().flat_map(|x| x.to_le_bytes());
+    let bytes = positions.chain(triangles.iter().flat_map(|corner| corner.to_le_bytes())).collect();
+    let text = serde_json::json!({
+        "asset": { "version": "2.0" }, "scene": 0, "scenes": [{ "nodes": [0] }], "nodes": [{ "mesh": 0 }],
+        "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0 }, "indices": 1 }] }],
+        "accessors": [
+            { "bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3" },
+            { "bufferView": 1, "componentType": 5123, "count": 12, "type": "SCALAR" },
+        ],
+        "bufferViews": [
+            { "buffer": 0, "byteOffset": 0, "byteLength": 48 }, { "buffer": 0, "byteOffset": 48, "byteLength": 24 },
+        ],
+        "buffers": [{ "uri": buffer, "byteLength": 72 }],
+    });
+    (text.to_string(), bytes)
+}
+
+#[test]
+fn a_file_that_a_pose_or_a_truth_names_counts_too() {
+    let project = Project::new();
+    for (name, height) in [("rest", 1.0), ("pose-1", 1.5), ("truth-1", 1.5)] {
+        let (text, bytes) = tetrahedron(&format!("{name}.bin"), height);
+        project.write(&format!("{name}.gltf"), &text);
+        fs::write(project.path(&format!("{name}.bin")), bytes).expect("a buffer");
+    }
+    let text = common::PIPELINE.replace("rest.obj", "rest.gltf").replace("pose-*.obj", "pose-*.gltf");
+    let text = text.replace("target.obj", "rest.gltf").replace("output:", "truth: truth-{pose}.gltf\noutput:");
+    project.write("p.yaml", &text);
+    let first = run(&project, &[]);
+    let inputs: Vec<_> = first["inputs"].as_array().expect("inputs").iter().map(|input| &input["path"]).collect();
+    for name in ["rest", "pose-1", "truth-1"] {
+        assert!(inputs.contains(&&Value::from(format!("{name}.bin"))), "{name}: {inputs:?}");
+    }
+    let mean = |report: &Value| report["poses"][0]["metrics"]["point_error"]["mean"].as_f64().expect("an error");
+    assert!(mean(&first) < 1e-6, "the target is the source, and so is the truth: {}", mean(&first));
+    assert_eq!(reused(&run(&project, &[])).1, 1);
+
+    fs::write(project.path("truth-1.bin"), tetrahedron("", 2.0).1).expect("a buffer");
+    assert!(mean(&run(&project, &[])) > 1.0, "measured against the new truth");
+    fs::write(project.path("pose-1.bin"), tetrahedron("", 2.0).1).expect("a buffer");
+    let report = run(&project, &[]);
+    assert_eq!(reused(&report).1, 0, "another pose");
+    assert!(mean(&report) < 1e-6, "{}", mean(&report));
+}
+
+#[test]
+fn a_plan_says_what_the_run_will_do_whatever_is_left_of_the_cache() {
+    let project = Project::new();
+    run(&project, &[]);
+    let remove = |kind: &str| fs::remove_dir_all(project.cache().join("v1").join(kind)).expect("cached results");
+    let cached = "cached for this transfer and these poses".to_owned();
+
+    // Poses stand alone and are all there, so that only what the transfer reported has to be found again.
+    remove("transfer");
+    assert_eq!(planned(&project, "poses", &[]), ("reuse".into(), cached.clone()));
+    assert_eq!(planned(&project, "transfer", &[]), ("run".into(), "its result is no longer cached".into()));
+    assert_eq!(reused(&run(&project, &[])).1, 3);
+
+    // With all poses and their measurements nothing needs the map.
+    remove("correspondence");
+    assert_eq!(planned(&project, "correspondence", &[]), ("skip".into(), "all poses are cached".into()));
+    assert_eq!(reused(&run(&project, &[])), (stages(&[("transfer", true)]), 3));
+    assert!(entries(&project.cache().join("v1/correspondence")).is_empty(), "it was skipped as planned");
+
+    // Pictures show more than measurements hold, so that poses are measured again; and a file of the map needs the map.
+    for more in [["--set", "output=[out/{pose}.obj, out/r.html]"], ["--set", "keep_correspondence=map.json"]] {
+        assert_eq!(planned(&project, "correspondence", &more).0, "run", "{more:?}");
+        assert_eq!(planned(&project, "poses", &more), ("reuse".into(), cached.clone()));
+        let report = run(&project, &more);
+        assert_eq!(reused(&report), (stages(&[("correspondence", false), ("transfer", true)]), 3), "{more:?}");
+        remove("correspondence");
+    }
+}
+
+#[test]
+fn the_seconds_of_a_run_are_those_of_one_clock() {
+    let project = Project::new();
+    project.edit("correspondence:", "proximity: { type: spanning_tree }\ncorrespondence:");
+    let started = Instant::now();
+    let report = run(&project, &["--no-cache"]);
+    let elapsed = started.elapsed().as_secs_f64();
+    let seconds = report["seconds"].as_f64().expect("seconds");
+    let stages = report["stages"].as_array().expect("stages").iter();
+    let sum: f64 = stages.map(|stage| stage["seconds"].as_f64().expect("seconds")).sum();
+    // Clocks of stages lie within the whole, apart from the rounding of sums.
+    assert!(sum <= seconds + 1e-9 && seconds <= elapsed, "{sum} of {seconds}, {elapsed} outside");
 }
 
 #[test]
@@ -153,6 +261,10 @@ fn a_file_that_a_stage_reads_counts_too() {
     let map = project.read("map.json");
     project.write("map.json", &format!("{map}\n"));
     assert_eq!(reused(&run(&project, &[])), (stages(&[("correspondence", false), ("transfer", false)]), 0));
+    // Under another name it is the same map.
+    fs::rename(project.path("map.json"), project.path("other.json")).expect("another name");
+    project.edit("path: map.json", "path: other.json");
+    assert_eq!(reused(&run(&project, &[])).1, 3);
 }
 
 #[test]
@@ -341,9 +453,16 @@ fn metrics_are_cached_until_a_pose_the_truth_or_a_metric_changes() {
     let first = run(&project, &[]);
     assert!(first["poses"][1]["metrics"]["point_error"]["mean"].as_f64() > Some(0.0));
     let entries_of_first = cached(&project);
+    #[cfg(unix)]
+    let written_by_first = inodes(&project, "metrics");
     let second = run(&project, &[]);
     assert_eq!(judged(&first), judged(&second), "cached metrics come back to the last bit");
-    assert_eq!((&first["metrics"], cached(&project)), (&second["metrics"], entries_of_first), "nothing was measured");
+    assert_eq!((&first["metrics"], cached(&project)), (&second["metrics"], entries_of_first));
+    #[cfg(unix)]
+    {
+        assert_eq!(written_by_first.len(), 3);
+        assert_eq!(inodes(&project, "metrics"), written_by_first, "nothing was measured");
+    }
 
     // Limits are no part of what is measured.
     let output = project.mimesh(&["run", "p.yaml", "--json", "--set", "gates.point_error=0.001"]);

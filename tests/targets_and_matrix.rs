@@ -241,6 +241,22 @@ fn keys_that_exclude_each_other_are_reported() {
             "--set target.rest=rest.obj: there are several targets, each with its own mesh",
         ]
     );
+    assert_diagnostics(
+        &(PIPELINE.replace("out/", "out/{matrix}/")
+            + "matrix: { transfer.type: [copy_displacement], transfer: [{ type: gradient }, { type: copy_displacement }] }\n"),
+        &["p.yaml:6:48: `transfer.type` and `transfer` replace each other's values"],
+    );
+    for key in ["target.rest", "target", "target.generator.seed"] {
+        let text = with_targets("targets: { a: { rest: target.obj }, b: { rest: rest.obj } }");
+        let text = text.replace("{target}/", "{name}/") + &format!("matrix: {{ {key}: [target.obj] }}\n");
+        project.write("p.yaml", &text);
+        let expected = format!("p.yaml:6:11: `{key}` beside `targets`, each of which has its own mesh");
+        assert!(diagnostics(&project, &[]).contains(&expected), "{:?}", diagnostics(&project, &[]));
+    }
+    // Over an included `target` stands a null.
+    project.write("base.yaml", PIPELINE);
+    let over = "include: base.yaml\ntarget: ~\ntargets: { a: { rest: target.obj } }\noutput: out/{target}/{pose}.obj\n";
+    assert_diagnostics(over, &[]);
     let collide =
         with_targets("targets: { a: { rest: target.obj }, b: { rest: rest.obj, output: 'out/a/{pose}.obj' } }");
     assert_diagnostics(&collide, &["p.yaml: out/a/1.obj would be written by two runs, `a` and `b`"]);

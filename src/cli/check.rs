@@ -1,4 +1,4 @@
-//! `mimesh check`: the errors in a pipeline, without computing anything.
+//! `mimesh check`: the errors in a pipeline, without a run.
 
 use std::{collections::HashSet, path::PathBuf};
 
@@ -15,10 +15,10 @@ use {
 
 use crate::cli::{CommandResult, cache::CacheOptions, flags::with_flags, run::Overrides, status::Status, terminal};
 
-/// Finds all mistakes in a pipeline and in the runs that it declares, without computing anything.
+/// Finds all mistakes in a pipeline and in the runs that it declares, without running them.
 ///
 /// The command reads the rest meshes and the markers, and the poses of a source whose boundaries coincide. With `--poses` it reads
-/// all poses.
+/// all poses. It computes nothing but the seams that open and the proximity graph, which the checks of stages look at.
 #[derive(Debug, clap::Args)]
 pub struct Check {
     /// The pipeline's YAML file

@@ -3,9 +3,16 @@
 //! The library proposes actions and names settings; it does not know how its host takes them. The command line names
 //! the flag or the command for each.
 
-use mimesh_document::{Diagnostic, Location, Remedy, diagnostic::SET_VALUE};
+use mimesh_document::{
+    Diagnostic, Location, Remedy,
+    diagnostic::{SET_VALUE, SHOW_SETTINGS},
+};
 use mimesh_markers::{OTHER_OUTPUT_FOLDER, remedies};
-use mimesh_pipeline::cache::{OTHER_CACHE_FOLDER, WITHOUT_CACHE};
+use mimesh_pipeline::{
+    cache::{OTHER_CACHE_FOLDER, WITHOUT_CACHE},
+    check::OTHER_MESHES,
+    parse::LIST_TYPES,
+};
 
 /// Gives `diagnostic` with the flags that its location and its remedy stand for; the remedy becomes part of the hint.
 ///
@@ -48,9 +55,12 @@ fn flag(remedy: &Remedy) -> Option<String> {
     let argument = &remedy.argument;
     Some(match remedy.action {
         SET_VALUE => format!("`--set {}`", quoted(argument)),
+        SHOW_SETTINGS => format!("`mimesh show {argument}`"),
+        LIST_TYPES => "`mimesh list`".into(),
         OTHER_OUTPUT_FOLDER => "`--out DIR`".into(),
         WITHOUT_CACHE => "`--no-cache`".into(),
         OTHER_CACHE_FOLDER => "`--cache DIR`".into(),
+        OTHER_MESHES => "`--source MESH --target MESH`".into(),
         remedies::FROM_ONE => format!("`mimesh markers convert --from-one {argument}`"),
         remedies::FIT_UNIT_AXES => "`mimesh markers convert --fit`".into(),
         remedies::OLD_MESH => format!("`--old-{argument} MESH`"),
@@ -84,6 +94,11 @@ mod tests {
         assert_eq!(hint("", WITHOUT_CACHE, "", "run without the cache"), "run without the cache: `--no-cache`");
         let other_cache = hint("", OTHER_CACHE_FOLDER, "", "name another folder for the cache");
         assert_eq!(other_cache, "name another folder for the cache: `--cache DIR`");
+        let settings = hint("", SHOW_SETTINGS, "transfer gradient", "see the settings of this type");
+        assert_eq!(settings, "see the settings of this type: `mimesh show transfer gradient`");
+        assert_eq!(hint("name one", LIST_TYPES, "", "list the types"), "name one, or list the types: `mimesh list`");
+        let meshes = hint("", OTHER_MESHES, "", "give the two meshes themselves");
+        assert_eq!(meshes, "give the two meshes themselves: `--source MESH --target MESH`");
         let from_one = hint("", remedies::FROM_ONE, "target", "convert the markers");
         assert_eq!(from_one, "convert the markers: `mimesh markers convert --from-one target`");
         let fitted = hint("", remedies::FIT_UNIT_AXES, "", "convert them");

@@ -20,7 +20,7 @@ use {
     mimesh_pipeline::{Options, PreparedSource, key_points, staging},
 };
 
-use crate::cli::{CommandResult, cache::CacheOptions, status::Status, terminal};
+use crate::cli::{CommandResult, cache::CacheOptions, out_file::OutFile, status::Status, terminal};
 
 /// Chooses the few points of the source that describe its poses best, and writes them as markers to complete.
 ///
@@ -70,6 +70,7 @@ impl KeyPoints {
         let prepared = pipeline::prepare_source(&self.pipeline, &options, self.cache.open()?.as_ref())?;
         let output = self.output_file(&prepared);
         let previous = self.previous_markers(&output)?;
+        self.check_curve(&prepared, &output)?;
 
         static INTERRUPTED: AtomicBool = AtomicBool::new(false);
         // The first interrupt ends the choice after its current step, the second ends the program at once.
@@ -131,6 +132,15 @@ impl KeyPoints {
     fn output_file(&self, prepared: &PreparedSource) -> PathBuf {
         let of_pipeline = || prepared.markers.clone().filter(|path| is_yaml(path));
         self.output.clone().or_else(of_pipeline).unwrap_or_else(|| self.pipeline.with_extension("markers.yaml"))
+    }
+
+    /// Checks that `--curve` names an SVG file that is neither read nor taken by the markers.
+    fn check_curve(&self, prepared: &PreparedSource, output: &Path) -> Result<()> {
+        let Some(file) = &self.curve else { return Ok(()) };
+        let curve = OutFile { option: "--curve", file };
+        curve.check(&["svg"])?;
+        curve.check_is_none_of(prepared.inputs.iter().map(|input| &*input.path), "the pipeline reads this file")?;
+        curve.check_is_none_of([output], "the markers are written into this file")
     }
 
     /// The markers to continue from; none without `--resume`.

@@ -12,6 +12,7 @@ mod keypoints;
 mod list;
 mod markers;
 mod new;
+mod out_file;
 mod plan;
 mod posed_meshes;
 mod progress;

@@ -15,7 +15,8 @@ use crate::cli::{CommandResult, cache::CacheOptions, run::Overrides, status::Sta
 
 /// Shows what a run would do: which stages run, which results come from the cache, and why.
 ///
-/// The command reads and checks the meshes as `check` does. It computes and writes nothing.
+/// The command reads and checks the meshes as `check` does. It writes nothing, and computes nothing but the proximity
+/// graph.
 #[derive(Debug, clap::Args)]
 #[command(
     name = "plan",

@@ -7,7 +7,7 @@ use mimesh_core::{
     mesh::{Mesh, Surface, SurfacePoint},
 };
 use mimesh_document::{
-    diagnostic::{Diagnostic, Kind, Location, Result},
+    diagnostic::{Diagnostic, Kind, Result},
     paths,
 };
 use mimesh_markers::{MarkerMesh, MeshRole, points_on};
@@ -27,7 +27,7 @@ use rayon::prelude::*;
 use crate::cli::{
     CommandResult,
     choice::choice,
-    compare::check_out,
+    out_file::OutFile,
     posed_meshes::{PosedMesh, read_all},
     status::Status,
     terminal,
@@ -86,16 +86,13 @@ const MAX_PIXELS: u64 = 1 << 28;
 impl Render {
     /// Runs the command.
     pub fn run(&self) -> CommandResult {
-        check_out(&self.out, &["png"])?;
+        let out = OutFile { option: "--out", file: &self.out };
+        out.check(&["png"])?;
         let formats = Formats::new(vec![]);
         let meshes = read_patterns(&formats, &self.meshes)?;
-        let out = paths::identity(&self.out);
-        if meshes.iter().any(|posed| paths::identity(&posed.file) == out) {
-            let location = Location::Argument(format!("--out {}", self.out.display()));
-            let diagnostic = Diagnostic::new(Kind::CannotWrite, "the command reads this file").at(location);
-            return Err(diagnostic.hint("choose another name").into());
-        }
         let truths = if self.truth.is_empty() { vec![] } else { read_patterns(&formats, &self.truth)? };
+        let read = meshes.iter().chain(&truths).map(|posed| &*posed.file).chain(self.markers.as_deref());
+        out.check_is_none_of(read, "the command reads this file")?;
         if !truths.is_empty() && truths.len() != meshes.len() {
             let message = format!(
                 "{}, but {}",
@@ -134,7 +131,7 @@ impl Render {
             pictures::draw_markers(&surface, &self.points(file, posed, &surface)?, camera, self.size, STEEL)
         } else if let Some(truth) = truth {
             let errors = errors(&posed.mesh, &surface, &truth.mesh.positions);
-            let errors = errors.map_err(|error| in_file(&posed.file, error))?;
+            let errors = errors.map_err(|error| in_file(&truth.file, error))?;
             pictures::draw_mesh(&surface, Some(&errors), camera, self.size)
         } else {
             pictures::draw_mesh(&surface, None, camera, self.size)

@@ -104,7 +104,7 @@ impl Run {
                 variant: prepared.variant.clone(),
                 place: prepared.outputs.report.clone(),
                 outcome,
-                seconds: started.elapsed().as_secs_f64() + prepared.reading.seconds,
+                seconds: started.elapsed().as_secs_f64() + prepared.seconds(),
             });
         }
         if let Some(table) = &table {

@@ -9,6 +9,7 @@ use mimesh_pipeline::{
     Formats,
     check::in_file,
     globs::GlobMatch,
+    json::to_value,
     metrics::{over_poses, point_error},
     report::PoseReport,
     text::count,
@@ -98,7 +99,7 @@ impl Score {
             let measure = |positions: &[Point3<f64>]| -> Result<Map<String, Value>> {
                 let measured = point_error(rest, &surface, positions, &truth.mesh.positions);
                 let statistics = measured.map_err(|error| in_file(&result.file, error))?.statistics;
-                let statistics = serde_json::to_value(&statistics).unwrap_or_default();
+                let statistics = to_value(&statistics);
                 Ok(std::iter::once(("point_error".to_owned(), statistics)).collect())
             };
             let rest_baseline = if self.rest.is_some() { measure(&rest.positions)? } else { Map::new() };
@@ -111,10 +112,10 @@ impl Score {
 
 /// Parses an argument of `--at-most`.
 fn parse_limit(text: &str) -> Result<Limit> {
-    let parts = text.split_once('=').and_then(|(statistic, percent)| Some((statistic, percent.parse().ok()?)));
+    let parts = text.split_once('=').and_then(|(statistic, percent)| Some((statistic, percent.parse::<f64>().ok()?)));
     match parts {
-        Some((statistic, percent)) => Ok(Limit { statistic: statistic.into(), percent }),
-        None => {
+        Some((statistic, percent)) if percent.is_finite() => Ok(Limit { statistic: statistic.into(), percent }),
+        _ => {
             let message = format!("--at-most {text}: expected `STATISTIC=PERCENT`");
             Err(Diagnostic::new(Kind::Usage, message).hint("e.g. `--at-most rms=1.5`").into())
         }

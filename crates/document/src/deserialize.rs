@@ -8,7 +8,7 @@ use serde_json::Value;
 use serde_path_to_error::Segment;
 
 use crate::{
-    diagnostic::{Diagnostic, Diagnostics},
+    diagnostic::{Diagnostic, Diagnostics, SHOW_SETTINGS},
     document::{At, Document},
     serde_errors::rephrase,
     shapes::Shapes,
@@ -66,7 +66,7 @@ fn diagnostic(document: &Document, path: &[Step], shapes: &dyn Shapes, error: &s
     let key = path.iter().rev().find_map(|step| if let Step::Key(key) = step { Some(key.as_str()) } else { None });
     let rephrased = rephrase(error, key.unwrap_or("pipeline"), variants.as_ref(), &shapes.choices(root, path));
     let name = document.get(settings).and_then(|settings| settings.get("type")).and_then(Value::as_str);
-    let mut hint = rephrased.hint.replace("TYPE", name.unwrap_or("TYPE"));
+    let mut hint = rephrased.hint;
     if rephrased.about_key
         && !rephrased.missing
         && let Some((Step::Key(key), mapping)) = path.split_last()
@@ -80,7 +80,14 @@ fn diagnostic(document: &Document, path: &[Step], shapes: &dyn Shapes, error: &s
         at.push(Step::Key("type".into()));
     }
     let point = if rephrased.about_key && !rephrased.missing { At::Key } else { At::Value };
-    document.diagnostic(&at, point, rephrased.message).hint(hint)
+    let diagnostic = document.diagnostic(&at, point, rephrased.message);
+    match variants {
+        Some(variants) if rephrased.missing && hint.is_empty() => {
+            let stage = format!("{} {}", variants.kind, name.unwrap_or("TYPE"));
+            diagnostic.remedy(SHOW_SETTINGS, stage, "see the settings of this type")
+        }
+        _ => diagnostic.hint(hint),
+    }
 }
 
 fn step(segment: &Segment) -> Option<Step> {

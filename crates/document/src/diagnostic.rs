@@ -62,6 +62,9 @@ pub struct Remedy {
 /// Remedy: set a value of the pipeline; the argument is `key=value`.
 pub const SET_VALUE: &str = "set_value";
 
+/// Remedy: show the settings of a stage; the argument is its kind and its type with a blank between them.
+pub const SHOW_SETTINGS: &str = "show_settings";
+
 /// A place in what the user wrote.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]

@@ -94,6 +94,11 @@ impl Document {
         path.iter().try_fold(&self.value, |value, step| step.get(value))
     }
 
+    /// The value at `path`, to change it.
+    pub fn get_mut(&mut self, path: &[Step]) -> Option<&mut Value> {
+        path.iter().try_fold(&mut self.value, |value, step| step.get_mut(value))
+    }
+
     /// Takes a key of the whole out, with its places.
     pub fn take(&mut self, key: &str) -> Option<(Value, SpanEntry)> {
         let value = self.value.as_object_mut()?.shift_remove(key)?;

@@ -64,7 +64,7 @@ impl Reader {
                     chain.pop();
                 }
                 Ok(included) => {
-                    let message = "expected a mapping with the keys of a pipeline";
+                    let message = "expected a mapping of keys";
                     self.diagnostics.push(included.diagnostic(&[], At::Value, message));
                 }
                 // That it is not there is said where it is named.

@@ -114,8 +114,9 @@ mod tests {
     }
 
     proptest! {
-        /// Without stages, whose types may begin anew, and unless what is a map in one file is none in another, laying maps over
-        /// each other is associative, so that it does not matter which file includes which.
+        /// Merging is associative, so that it does not matter which file includes which.
+        ///
+        /// That holds without stages, whose types may begin anew, and where a mapping in one file is one in all.
         #[test]
         fn merging_is_associative(a in maps(), b in maps(), c in maps()) {
             prop_assert_eq!(over(&over(&a, &b), &c), over(&a, &over(&b, &c)));

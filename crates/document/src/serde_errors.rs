@@ -51,8 +51,7 @@ pub fn rephrase(error: &str, key: &str, variants: Option<&Variants>, choices: &[
         let missing = quoted.next().unwrap_or_default();
         let hint = match variants {
             Some(variants) if missing == "type" => format!("known types: {}", variants.types.join(", ")),
-            Some(variants) => format!("`mimesh show {} TYPE` explains its settings", variants.kind),
-            None => String::new(),
+            _ => String::new(),
         };
         return Rephrased { message: format!("missing key `{missing}`"), hint, about_key: true, missing: true };
     }

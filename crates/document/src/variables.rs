@@ -153,7 +153,7 @@ impl Expander<'_> {
                 Ok(text) => Some((scalar(text), None)),
                 Err(_) => {
                     let message = format!("there is no variable `{name}` in the environment");
-                    self.wrong(node, &written, message, format!("e.g. `{name}=… mimesh run …`"));
+                    self.wrong(node, &written, message, "set it before the program starts".into());
                     None
                 }
             };

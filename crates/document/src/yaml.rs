@@ -36,7 +36,7 @@ pub fn not_yaml(text: &Arc<SourceText>, error: serde_saphyr::Error) -> Diagnosti
         let key = rest.split(',').next().unwrap_or(rest);
         (format!("the key `{key}` stands here a second time"), "remove one of the two")
     } else if problem.starts_with("multiple YAML documents") {
-        ("a second document begins here".into(), "remove the line `---` and what follows it; one file is one pipeline")
+        ("a second document begins here".into(), "remove the line `---` and what follows it; a file holds one document")
     } else if problem.contains("tab") {
         (problem, "indent with blanks")
     } else if problem.contains("unknown anchor") {

@@ -1,3 +1,5 @@
+//! The marker files that a pipeline names.
+
 use std::{borrow::Cow, fmt, path::PathBuf};
 
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
@@ -38,11 +40,13 @@ impl MarkerFiles {
         }
     }
 
-    /// The same files, with `change` applied to each path.
-    pub fn map(&self, change: impl Fn(&PathBuf) -> PathBuf) -> Self {
+    /// The same files, with `change` applied to the key and the path of each; see [`named`](Self::named).
+    pub fn map(&self, change: impl Fn(Option<&'static str>, &PathBuf) -> PathBuf) -> Self {
         match self {
-            Self::One(file) => Self::One(change(file)),
-            Self::Pair { source, target } => Self::Pair { source: change(source), target: change(target) },
+            Self::One(file) => Self::One(change(None, file)),
+            Self::Pair { source, target } => {
+                Self::Pair { source: change(Some("source"), source), target: change(Some("target"), target) }
+            }
         }
     }
 }

@@ -22,12 +22,12 @@ pub fn read_markers(file: &Path) -> Result<MarkerFile> {
         Some(Notation::Cons) => cons::parse(file, &text::read(file)?),
         Some(Notation::Yaml) => yaml::parse(file, &text::read(file)?),
         Some(_) => {
-            let hint = format!("name a file for each side: `markers: {{ source: {}, target: … }}`", file_name(file));
+            let hint = "give a file of points for each mesh";
             Err(unusable(file, format!("a .{} holds the points of one mesh only", ending(file)), hint).into())
         }
         None => {
             let hint = "a .cons has the count in its first line, then `source, target` a line";
-            Err(unusable(file, "not a file of markers: expected .cons or .yaml".into(), hint.into()).into())
+            Err(unusable(file, "not a file of markers: expected .cons or .yaml", hint).into())
         }
     }
 }
@@ -41,12 +41,12 @@ pub fn read_points(file: &Path) -> Result<PointFile> {
     match Notation::of(file) {
         Some(notation) if !notation.holds_both_sides() => parse_points(file, &text::read(file)?),
         Some(_) => {
-            let hint = format!("name it alone: `markers: {}`", file_name(file));
-            Err(unusable(file, "this file holds both sides of the markers".into(), hint).into())
+            let hint = "give it alone, or files of points";
+            Err(unusable(file, "this file holds both sides of the markers", hint).into())
         }
         None => {
             let hint = "MeshLab writes .pp, Wrap .json or .txt; see docs/markers.md for tables and JSON";
-            Err(unusable(file, "not a file of points: expected .pp, .json, .txt or .csv".into(), hint.into()).into())
+            Err(unusable(file, "not a file of points: expected .pp, .json, .txt or .csv", hint).into())
         }
     }
 }
@@ -71,11 +71,7 @@ pub fn parse_points(file: &Path, text: &str) -> Result<PointFile> {
     Ok(points)
 }
 
-/// The diagnostic of a file that a pipeline cannot name in this place.
-fn unusable(file: &Path, message: String, hint: String) -> Diagnostic {
-    Diagnostic::new(Kind::BadPipeline, message).at(Location::File(file.into())).hint(hint)
-}
-
-fn file_name(file: &Path) -> String {
-    file.file_name().unwrap_or_default().to_string_lossy().into_owned()
+/// The diagnostic of a file in a notation that does not fit its use.
+fn unusable(file: &Path, message: impl Into<String>, hint: &str) -> Diagnostic {
+    Diagnostic::new(Kind::Usage, message).at(Location::File(file.into())).hint(hint)
 }

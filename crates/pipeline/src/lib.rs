@@ -1,8 +1,8 @@
 //! Pipelines: what a YAML file declares, and how it is read, checked, planned, run, measured and reported.
 //!
 //! A file becomes one [document](mimesh_document::Document) a run ([`compose`]), each document a typed [`Pipeline`] ([`mod@parse`]),
-//! and that, with the files it names, something [`Prepared`] ([`check`]). Until then all that is wrong is collected; nothing is
-//! computed before nothing is. A [`Plan`] decides which results of the [`cache`] are used, [`run()`] executes it, and a [`Report`]
+//! and that, with the files it names, something [`Prepared`] ([`check`]). All mistakes are collected until then, and a pipeline
+//! with mistakes does not run. A [`Plan`] decides which results of the [`cache`] are used, [`run()`] executes it, and a [`Report`]
 //! says what came of it.
 //!
 //! The crate knows no command line and no terminal: errors carry a [`Kind`](mimesh_document::Kind), ways out that depend on the
@@ -15,7 +15,7 @@ pub mod formats;
 pub mod globs;
 mod handedness;
 pub mod input;
-mod json;
+pub mod json;
 pub mod key_points;
 pub mod metrics;
 mod one_or_many;
@@ -36,12 +36,12 @@ pub mod staging;
 mod testing;
 pub mod text;
 
-pub use check::{Options, prepare, prepare_all, prepare_meshes, prepare_source};
+pub use check::{Options, prepare_all, prepare_meshes, prepare_source};
 pub use formats::Formats;
 pub use input::{Prepared, PreparedSource};
 pub use one_or_many::OneOrMany;
 pub use plan::Plan;
-pub use progress::{NoProgress, Progress};
+pub use progress::Progress;
 pub use report::Report;
 pub use run::{Finished, run};
 pub use spec::Pipeline;

@@ -11,12 +11,12 @@ use serde::de::DeserializeOwned;
 use serde_json::Value;
 
 use crate::{
-    schema::{PipelineShapes, SchemaNode, check_ranges, types},
+    schema::{COMPOSITION_KEYS, PipelineShapes, SchemaNode, check_ranges, types},
     spec::Pipeline,
 };
 
-/// The keys that make several runs of one file, or one file of several; the others are those of a single run.
-pub const COMPOSITION_KEYS: [&str; 4] = ["include", "variables", "targets", "matrix"];
+/// Remedy: list the types of all stages.
+pub const LIST_TYPES: &str = "list_types";
 
 /// The slots that a command cannot do without.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -157,16 +157,16 @@ impl Slots<'_> {
     fn required<T: DeserializeOwned>(&mut self, key: &str) -> Option<T> {
         let missing = self.document.value.get(key).is_none() && self.required.needs(key);
         if missing && !self.suggested.contains(&key) {
-            let hint = match key {
-                "source" | "target" => format!("name the mesh, e.g. `{key}: {{ rest: mesh.obj }}`"),
-                "output" => "name the files to write, e.g. `output: out/{pose}.obj`".into(),
+            let diagnostic = self.document.diagnostic(&[], At::Value, format!("missing key `{key}`"));
+            self.diagnostics.push(match key {
+                "source" | "target" => diagnostic.hint(format!("name the mesh, e.g. `{key}: {{ rest: mesh.obj }}`")),
+                "output" => diagnostic.hint("name the files to write, e.g. `output: out/{pose}.obj`"),
                 stage => {
                     let types = types(stage).join(" | ");
-                    format!("name its type, e.g. `{stage}: {{ type: {types} }}`; `mimesh list` shows the types")
+                    let hint = format!("name its type, e.g. `{stage}: {{ type: {types} }}`");
+                    diagnostic.hint(hint).remedy(LIST_TYPES, "", "list the types")
                 }
-            };
-            let message = format!("missing key `{key}`");
-            self.diagnostics.push(self.document.diagnostic(&[], At::Value, message).hint(hint));
+            });
         }
         self.optional(key)
     }

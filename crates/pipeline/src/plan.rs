@@ -1,6 +1,6 @@
 //! The plan of a run: which stages run, which results are taken from the cache, and why.
 //!
-//! A plan is made once; a run executes it, and `mimesh plan` shows it.
+//! A plan is made once; a run executes it, and a program may show it.
 
 use mimesh_core::stage::TriangleMap;
 use rayon::prelude::*;
@@ -60,7 +60,7 @@ pub struct CachedRun {
     pub transfer: Option<TransferSummary>,
     /// Whether every pose has a result.
     pub complete: bool,
-    /// Whether every pose has measurements, too.
+    /// Whether every pose has measurements, too, and they will do: pictures show more than they hold.
     pub measured: bool,
     /// The number of poses that have to run.
     missing: usize,
@@ -76,7 +76,8 @@ impl CachedRun {
         let all = prepared.poses.len();
         let missing = (0..all).into_par_iter().filter(|&i| !poses.contains(i)).count();
         let complete = missing == 0 && transfer.is_some();
-        let measured = complete && (0..all).into_par_iter().all(|i| poses.contains_metrics(i));
+        let measured = complete && !prepared.outputs.are_visual();
+        let measured = measured && (0..all).into_par_iter().all(|i| poses.contains_metrics(i));
         // Frames of one motion depend on those before, so they are used only all together.
         let missing = if motion && missing > 0 { all } else { missing };
         Self { keys, transfer, complete, measured, missing }
@@ -95,6 +96,11 @@ impl Plan {
     /// Whether the results of all poses are cached.
     pub fn is_complete(&self) -> bool {
         self.cached.as_ref().is_some_and(|cached| cached.complete)
+    }
+
+    /// Whether a run of `prepared` needs the triangle map: to transfer, to measure unless all poses are `measured`, or to write it.
+    pub fn needs_map(&self, prepared: &Prepared, measured: bool) -> bool {
+        needs_map(prepared, self.is_complete(), measured)
     }
 
     fn without_cache(prepared: &Prepared) -> Self {
@@ -118,15 +124,20 @@ impl Plan {
     }
 }
 
+fn needs_map(prepared: &Prepared, complete: bool, measured: bool) -> bool {
+    let measures = !measured && prepared.metrics.iter().any(|metric| !metric.needs_ground_truth());
+    !complete || measures || prepared.outputs.correspondence.is_some()
+}
+
 /// The stages of a run with their types, in their order.
 fn stages(prepared: &Prepared) -> Vec<(&'static str, &str)> {
     let pipeline = &prepared.pipeline;
-    let stages = [
-        ("proximity", pipeline.proximity.as_ref().map(|stage| stage.typetag_name())),
-        ("correspondence", pipeline.correspondence.as_ref().map(|stage| stage.typetag_name())),
-        ("transfer", pipeline.transfer.as_ref().map(|stage| stage.typetag_name())),
+    let types = [
+        pipeline.proximity.as_ref().map(|stage| stage.typetag_name()),
+        pipeline.correspondence.as_ref().map(|stage| stage.typetag_name()),
+        pipeline.transfer.as_ref().map(|stage| stage.typetag_name()),
     ];
-    stages.into_iter().filter_map(|(stage, name)| Some((stage, name?))).collect()
+    RunKeys::STAGES.into_iter().zip(types).filter_map(|(stage, name)| Some((stage, name?))).collect()
 }
 
 fn planned(
@@ -137,24 +148,23 @@ fn planned(
     cached: &CachedRun,
     last_run: &LastRun,
 ) -> PlannedStep {
-    let keys = &cached.keys;
-    let (key, is_cached) = match stage {
+    let key = cached.keys.stages().into_iter().find(|(name, _)| *name == stage).and_then(|(_, key)| key);
+    let (is_cached, needed) = match stage {
         "proximity" => {
-            (keys.proximity.as_ref(), prepared.proximity.as_ref().is_some_and(|proximity| proximity.report.reused))
+            let reused = prepared.proximity.as_ref().is_some_and(|proximity| proximity.report.reused);
+            (reused, !cached.complete)
         }
         "correspondence" => {
-            let key = keys.correspondence.as_ref();
-            (key, key.is_some_and(|key| is_readable::<TriangleMap>(cache, stage, key)))
+            let readable = key.is_some_and(|key| is_readable::<TriangleMap>(cache, stage, key));
+            (readable, needs_map(prepared, cached.complete, cached.measured))
         }
-        "transfer" => (Some(&keys.transfer), cached.complete),
-        _ => (None, false),
+        _ => (cached.complete, !cached.complete),
     };
-    let needed = !cached.complete || (stage == "correspondence" && prepared.outputs.correspondence.is_some());
     let unchanged = key.is_some_and(|key| last_run.change(stage, key) == Change::Gone);
     match (is_cached, needed) {
         (true, _) => step(stage, name, Action::Reuse, "cached for these settings and inputs"),
         (false, false) => step(stage, name, Action::Skip, "all poses are cached"),
-        (false, true) if stage == "transfer" && unchanged && cached.missing < prepared.poses.len() => {
+        (false, true) if stage == "transfer" && unchanged && (1..prepared.poses.len()).contains(&cached.missing) => {
             step(stage, name, Action::Run, "some poses are missing, and a bound transfer is not cached")
         }
         (false, true) => step(stage, name, Action::Run, &key.map_or(String::new(), |key| reason(last_run, stage, key))),
@@ -164,7 +174,7 @@ fn planned(
 fn planned_poses(all: usize, cached: &CachedRun) -> PlannedStep {
     let motion = cached.transfer.as_ref().is_some_and(|transfer| transfer.motion);
     let (action, reason) = match cached.missing {
-        0 if cached.complete => (Action::Reuse, "cached for this transfer and these poses".into()),
+        0 => (Action::Reuse, "cached for this transfer and these poses".into()),
         missing if missing == all && motion => (Action::Run, "frames of one motion are used only all together".into()),
         missing if missing == all => (Action::Run, "none is cached for this transfer".into()),
         missing => (Action::Run, format!("{} of {all} are cached", all - missing)),
@@ -195,10 +205,8 @@ fn reason(last_run: &LastRun, stage: &str, key: &StageKey) -> String {
 mod tests {
     use std::collections::BTreeSet;
 
-    use crate::schema::SchemaNode;
+    use crate::{cache::RunKeys, schema::SchemaNode};
 
-    /// The slots whose stages this file plans and `cache/keys.rs` has keys for.
-    const PLANNED: [&str; 3] = ["correspondence", "proximity", "transfer"];
     /// The slots whose stages no run uses.
     const UNUSED: [&str; 1] = ["key_points"];
 
@@ -207,6 +215,6 @@ mod tests {
     fn every_slot_of_a_stage_is_planned() {
         let slots = SchemaNode::pipeline().properties(None).into_iter();
         let found: BTreeSet<_> = slots.filter(|(_, node)| node.stage().is_some()).map(|(slot, _)| slot).collect();
-        assert_eq!(found, PLANNED.into_iter().chain(UNUSED).collect());
+        assert_eq!(found, RunKeys::STAGES.into_iter().chain(UNUSED).collect());
     }
 }

@@ -11,9 +11,3 @@ pub trait Progress: Sync {
     /// A pose is done, or has failed.
     fn pose_done(&self) {}
 }
-
-/// Ignores all progress.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct NoProgress;
-
-impl Progress for NoProgress {}

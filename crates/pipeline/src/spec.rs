@@ -11,7 +11,7 @@ use crate::{one_or_many::OneOrMany, rest::Rest, seam_points::SeamPoint};
 
 /// A pipeline: a source with its poses, a target, and how the target takes the poses.
 ///
-/// Paths are relative to the pipeline's file. Keys that are left out have the defaults told here.
+/// Paths are relative to the pipeline's file. Keys that are left out have their defaults.
 #[derive(Debug, Default, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Pipeline {
@@ -19,8 +19,7 @@ pub struct Pipeline {
     pub source: Source,
     /// The mesh that takes the motion.
     pub target: Target,
-    /// How `mimesh keypoints` chooses points on the source, whose partners on the target are then to be found; a run does not
-    /// use it.
+    /// The choice of points on the source that describe its poses best, to be completed as markers; a run does not use it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub key_points: Option<Box<dyn KeyPoints>>,
     /// Corresponding points: a file with both sides, `.cons` (a count, then `source, target` vertices from 0) or mimesh's
@@ -29,7 +28,7 @@ pub struct Pipeline {
     /// Files of points are MeshLab's `.pp`, Wrap's `.json` and `.txt`, and named points as `.csv` or `.json`; they are
     /// paired by name, else by order. Points given by position go to the closest place of the surface.
     ///
-    /// Left out, landmarks of equal names are the markers, where both meshes have landmarks (samples do).
+    /// Left out, landmarks of equal names are the markers, where both meshes have landmarks (those of generators do).
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("examples" = ["horse_camel.cons", { "source": "horse.pp", "target": "camel.pp" }]))]
     pub markers: Option<MarkerFiles>,
@@ -52,9 +51,9 @@ pub struct Pipeline {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("examples" = ["truth/camel-{pose}.obj"]))]
     pub truth: Option<PathBuf>,
-    /// What to measure of every pose beside the usual metrics, or with other settings than usual; `[]` measures nothing.
+    /// Metrics to measure of every pose beside the default ones, or with other settings; `[]` measures nothing.
     ///
-    /// docs/metrics.md tells which are usual, and which need the truth.
+    /// docs/metrics.md lists the default ones, and those that need the truth.
     pub metrics: Option<Vec<Box<dyn Metric>>>,
     /// The largest size of a statistic, whatever its sign, that any pose may have: `METRIC_STATISTIC`, or `METRIC` for the primary one.
     /// A run that breaks a gate ends with status 3; its results are written.
@@ -85,7 +84,7 @@ pub struct Source {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("examples" = ["horse.obj", { "file": "horse.glb", "pose": "stand" }]))]
     pub rest: Option<Rest>,
-    /// Its poses: a glob such as `horse-??.obj`, or a list of paths and globs; in natural order, without the rest mesh.
+    /// Its poses: a glob such as `horse-??.obj`, or a sequence of paths and globs; in natural order, without the rest mesh.
     ///
     /// A pose is called what the wildcards stand for, else like its file. Left out, the poses are those that the rest
     /// file holds (morph targets).

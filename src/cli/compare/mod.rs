@@ -6,12 +6,9 @@ mod report_files;
 mod results;
 mod written_files;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use mimesh_document::{
-    diagnostic::{Diagnostic, Kind, Location, Result},
-    paths,
-};
+use mimesh_document::diagnostic::Result;
 use mimesh_pipeline::{
     page::{self, ComparedRun},
     staging,
@@ -19,7 +16,7 @@ use mimesh_pipeline::{
 };
 use serde_json::{Value, json};
 
-use crate::cli::{CommandResult, status::Status, terminal};
+use crate::cli::{CommandResult, out_file::OutFile, status::Status, terminal};
 use written_files::WrittenFiles;
 
 /// Compares runs: statistics, curves and pictures.
@@ -46,68 +43,36 @@ pub struct Compare {
 impl Compare {
     /// Runs the command.
     pub fn run(&self) -> CommandResult {
-        if let Some(out) = &self.out {
-            check_out(out, &["html", "htm"])?;
-        }
+        let out = self.out.as_deref().map(|file| OutFile { option: "--out", file });
+        out.map_or(Ok(()), |out| out.check(&["html", "htm"]))?;
         let files = report_files::find_all(&self.runs)?;
         let reports = files.iter().map(|file| report_files::read(file)).collect::<Result<Vec<_>>>()?;
         let names = names::distinct(&files, &reports);
         let named = names.into_iter().zip(reports);
         let mut runs: Vec<_> = named.map(|(name, report)| ComparedRun { name, report, pictures: vec![] }).collect();
-        if let Some(out) = &self.out {
-            check_is_not_of_runs(out, &runs, &files)?;
+        if let Some(out) = out {
+            for (run, file) in runs.iter().zip(&files) {
+                let written = WrittenFiles::new(&run.report, file);
+                out.check_is_none_of(written.paths().chain([&**file]), "one of the runs wrote this file")?;
+            }
             for (run, file) in runs.iter_mut().zip(&files) {
                 let (pictures, problems) = pictures::draw(&run.report, file);
                 problems.iter().for_each(|problem| terminal::warn(&format!("{}: {problem}", run.name)));
                 run.pictures = pictures;
             }
             let page = page::compare("Comparison of runs", &runs);
-            staging::write(out, page.as_bytes())?;
+            staging::write(out.file, page.as_bytes())?;
         }
         if self.json {
             terminal::print_json(&as_json(&files, &runs));
         } else {
             terminal::print(&as_text(&runs));
-            if let Some(out) = &self.out {
-                terminal::print(&format!("\nwritten\n  {}\n", out.display()));
+            if let Some(out) = out {
+                terminal::print(&format!("\nwritten\n  {}\n", out.file.display()));
             }
         }
         Ok(Status::Done)
     }
-}
-
-/// Checks that `out`, the argument of `--out`, has one of `extensions` and is not a folder.
-///
-/// # Errors
-///
-/// A diagnostic if it does not.
-pub fn check_out(out: &Path, extensions: &[&str]) -> Result<()> {
-    let location = Location::Argument(format!("--out {}", out.display()));
-    let extension = out.extension().map(|extension| extension.to_string_lossy().to_lowercase());
-    if !extension.is_some_and(|extension| extensions.contains(&extension.as_str())) {
-        let message = format!("expected a .{} file", extensions[0]);
-        return Err(Diagnostic::new(Kind::Usage, message).at(location).into());
-    }
-    if out.is_dir() {
-        let diagnostic = Diagnostic::new(Kind::CannotWrite, "there is a folder of that name").at(location);
-        return Err(diagnostic.hint("choose another name").into());
-    }
-    Ok(())
-}
-
-/// Checks that `out` is neither a report nor a result of the runs.
-fn check_is_not_of_runs(out: &Path, runs: &[ComparedRun], files: &[PathBuf]) -> Result<()> {
-    let identity = paths::identity(out);
-    let is_out = |path: &Path| paths::identity(path) == identity;
-    let is_of_run = |(run, file): (&ComparedRun, &PathBuf)| {
-        is_out(file) || WrittenFiles::new(&run.report, file).paths().any(is_out)
-    };
-    if !runs.iter().zip(files).any(is_of_run) {
-        return Ok(());
-    }
-    let location = Location::Argument(format!("--out {}", out.display()));
-    let diagnostic = Diagnostic::new(Kind::CannotWrite, "one of the runs wrote this file").at(location);
-    Err(diagnostic.hint("choose another name").into())
 }
 
 /// A table with a column for each run.

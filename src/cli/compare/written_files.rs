@@ -18,10 +18,11 @@ struct WrittenFile {
 impl WrittenFiles {
     /// The files of the run whose report is `file`.
     pub fn new(report: &Report, file: &Path) -> Self {
-        // The report lies beside the first result.
-        let old_folder = report.outputs.first().and_then(|first| first.path.parent()).unwrap_or(Path::new(""));
         let folder = file.parent().unwrap_or(Path::new(""));
-        let moved = |path: &Path| path.strip_prefix(old_folder).map_or_else(|_| path.into(), |rest| folder.join(rest));
+        let moved = |path: &Path| {
+            let beside = report.place.parent().and_then(|old_folder| path.strip_prefix(old_folder).ok());
+            beside.map_or_else(|| path.into(), |beside| folder.join(beside))
+        };
         let files = report.outputs.iter();
         Self { files: files.map(|output| WrittenFile { path: moved(&output.path), bytes: output.bytes }).collect() }
     }

@@ -1,7 +1,8 @@
 //! `mimesh markers convert`: markers in another notation.
 
 use mimesh_core::mesh::MeshPoint;
-use mimesh_markers::{AttachedMarkers, MarkerFile, MarkerFiles};
+use mimesh_document::diagnostic::{Diagnostic, Kind, Location, Result};
+use mimesh_markers::{AttachedMarkers, MarkerFile};
 use mimesh_pipeline::text::count;
 use serde_json::json;
 
@@ -44,11 +45,13 @@ impl Convert {
     /// Runs the command.
     pub fn run(&self) -> CommandResult {
         let loaded = self.common.load()?;
+        if self.from_one.is_some() && loaded.files.one().is_none() {
+            let hint = "files of points count from 0; correct the numbers in the files, or remove `--from-one`";
+            return Err(usage("it counts the numbers of a .cons or .yaml only".into()).hint(hint).into());
+        }
         let mut attached = loaded.markers(self.fit)?;
-        if let Some(sides) = self.from_one
-            && matches!(loaded.files, MarkerFiles::One(_))
-        {
-            attached.markers = counted_from_zero(&attached.markers, sides);
+        if let Some(sides) = self.from_one {
+            attached.markers = counted_from_zero(&attached.markers, sides)?;
         }
         // Pairs without a target are still incomplete; the others must be on their meshes.
         let complete = attached.markers.pairs.iter().filter(|pair| pair.target.is_some()).cloned().collect();
@@ -70,22 +73,32 @@ impl Convert {
 }
 
 /// The markers with numbers that count from 0, if those of `sides` count from 1.
-fn counted_from_zero(markers: &MarkerFile, sides: FromOne) -> MarkerFile {
-    // A 0 wraps around to a number that no mesh has, and is reported as such.
-    let minus_one = |point: MeshPoint| match point {
-        MeshPoint::Vertex(vertex) => MeshPoint::Vertex(vertex.wrapping_sub(1)),
-        MeshPoint::Triangle(triangle, weights) => MeshPoint::Triangle(triangle.wrapping_sub(1), weights),
-    };
+fn counted_from_zero(markers: &MarkerFile, sides: FromOne) -> Result<MarkerFile> {
     let mut markers = markers.clone();
     for pair in &mut markers.pairs {
         if sides != FromOne::Target {
-            pair.source = minus_one(pair.source);
+            pair.source = minus_one(pair.source)?;
         }
         if sides != FromOne::Source {
-            pair.target = pair.target.map(minus_one);
+            pair.target = pair.target.map(minus_one).transpose()?;
         }
     }
-    markers
+    Ok(markers)
+}
+
+fn minus_one(point: MeshPoint) -> Result<MeshPoint> {
+    let before = |element: &str, number: u32| {
+        let message = format!("{element} 0, but `--from-one` counts from 1");
+        number.checked_sub(1).ok_or_else(|| usage(message).hint("the numbers of this side count from 0 already"))
+    };
+    Ok(match point {
+        MeshPoint::Vertex(vertex) => MeshPoint::Vertex(before("vertex", vertex)?),
+        MeshPoint::Triangle(triangle, weights) => MeshPoint::Triangle(before("triangle", triangle)?, weights),
+    })
+}
+
+fn usage(message: String) -> Diagnostic {
+    Diagnostic::new(Kind::Usage, message).at(Location::Argument("--from-one".into()))
 }
 
 /// The distances of the points of side `k` to its surface, in a line.

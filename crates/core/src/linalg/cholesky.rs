@@ -225,8 +225,7 @@ impl Cholesky {
     fn singular(&self) -> Error {
         Error::Singular {
             what: self.what,
-            hint: "look for parts of the mesh without area or without any tie to the rest: `mimesh inspect MESH`"
-                .into(),
+            hint: "look for parts of the mesh without area or without any tie to the rest".into(),
         }
     }
 

@@ -42,7 +42,7 @@ impl ComponentRef {
                 "the target has no component {what}: expected 0 to {}, a name, or `all`; {names}",
                 count.saturating_sub(1)
             ),
-            "`mimesh inspect MESH --components` lists them",
+            "inspect the mesh: its components are listed with their numbers and names",
         ))
     }
 }

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use mimesh_core::stage::Marker;
-use mimesh_document::{Step, path};
-use mimesh_markers::{MarkerFile, MarkerFiles, MarkerMesh, MeshRole, PointSource, from_landmarks};
+use mimesh_document::{Diagnostic, Kind, Location, Step, path};
+use mimesh_markers::{MarkerFile, MarkerFiles, MarkerMesh, MeshRole, PointSource, from_landmarks, notation::Notation};
 
 use super::findings::{Findings, Scope};
 use crate::input::{FileHashes, RestMesh};
@@ -41,18 +41,18 @@ pub(super) fn markers(
     let files = marker_files(scope, files);
     let before = found.diagnostics.len();
     for (key, file) in files.named() {
-        let at: Vec<Step> = path(["markers"]).into_iter().chain(key.map(|key| Step::Key(key.into()))).collect();
         let role = match key {
             Some("source") => "source markers",
             Some(_) => "target markers",
             None => "markers",
         };
-        found.input(scope, role, file, &at);
+        found.input(scope, role, file, &slot(key));
     }
     if found.diagnostics.len() > before {
         return None;
     }
-    let read = PointSource::read(&files).map_err(|failure| found.diagnostics.extend(failure)).ok()?;
+    let read = PointSource::read(&files);
+    let read = read.map_err(|failure| found.diagnostics.extend(failure.into_iter().map(as_named))).ok()?;
     let (source, target) = (source?, target?);
     let attached = read.attach([source.as_in_file(MeshRole::Source), target.as_in_file(MeshRole::Target)], false);
     let attached = attached.map_err(|failure| found.diagnostics.extend(failure)).ok()?;
@@ -65,13 +65,24 @@ pub(super) fn markers(
 
 /// The files as seen from the current folder.
 pub(super) fn marker_files(scope: Scope<'_>, files: &MarkerFiles) -> MarkerFiles {
-    match files {
-        MarkerFiles::One(file) => MarkerFiles::One(scope.path(&path(["markers"]), file)),
-        MarkerFiles::Pair { source, target } => MarkerFiles::Pair {
-            source: scope.path(&path(["markers", "source"]), source),
-            target: scope.path(&path(["markers", "target"]), target),
-        },
-    }
+    files.map(|key, file| scope.path(&slot(key), file))
+}
+
+/// A file whose notation does not fit its key is a fault of the pipeline.
+fn as_named(diagnostic: Diagnostic) -> Diagnostic {
+    let (Kind::Usage, Some(Location::File(file))) = (diagnostic.kind, &diagnostic.location) else { return diagnostic };
+    let name = file.file_name().unwrap_or_default().to_string_lossy();
+    let hint = match Notation::of(file) {
+        Some(notation) if notation.holds_both_sides() => Some(format!("name it alone: `markers: {name}`")),
+        Some(_) => Some(format!("name a file for each side: `markers: {{ source: {name}, target: … }}`")),
+        None => diagnostic.hint.clone(),
+    };
+    Diagnostic { kind: Kind::BadPipeline, hint, ..diagnostic }
+}
+
+/// The path in the document of the file under `key`, or of the only file.
+fn slot(key: Option<&str>) -> Vec<Step> {
+    path(["markers"]).into_iter().chain(key.map(|key| Step::Key(key.into()))).collect()
 }
 
 /// Warns of meshes that have changed since the markers in `file` were made.

@@ -29,23 +29,34 @@ pub(super) fn metrics(
     if named.is_empty() {
         return named;
     }
-    let of_truth = named.iter().position(|metric| metric.needs_ground_truth());
-    if let Some(i) = of_truth.filter(|_| lacks_truth(scope, truth)) {
-        let hint = "name the known results: `truth: truth/{pose}.obj`; or remove it";
-        let message = format!("the metric `{}` without `truth`", named[i].typetag_name());
-        found.wrong(scope, &[Step::Key("metrics".into()), Step::Index(i)], At::Value, message, hint);
-    }
-    for i in 1..named.len() {
-        if named[..i].iter().any(|other| other.typetag_name() == named[i].typetag_name()) {
-            let message = format!("the metric `{}` a second time", named[i].typetag_name());
-            let at = [Step::Key("metrics".into()), Step::Index(i)];
-            found.wrong(scope, &at, At::Value, message, "put all its settings into one entry");
+    let mut seen = Vec::new();
+    for (at, metric) in entries(scope, &named) {
+        let name = metric.typetag_name();
+        if metric.needs_ground_truth() && lacks_truth(scope, truth) {
+            let hint = "name the known results: `truth: truth/{pose}.obj`; or remove it";
+            found.wrong(scope, &at, At::Value, format!("the metric `{name}` without `truth`"), hint);
         }
+        if seen.contains(&name) {
+            let hint = "put all its settings into one entry";
+            found.wrong(scope, &at, At::Value, format!("the metric `{name}` a second time"), hint);
+        }
+        seen.push(name);
     }
     let names: Vec<&str> = named.iter().map(|metric| metric.typetag_name()).collect();
     let mut all: Vec<Box<dyn Metric>> = default.filter(|metric| !names.contains(&metric.typetag_name())).collect();
     all.append(&mut named);
     all
+}
+
+/// The entries of the document's `metrics` with their paths, each with the one of `metrics` that has its type; entries that could
+/// not be read have none, and are left out.
+fn entries<'m>(scope: Scope<'_>, metrics: &'m [Box<dyn Metric>]) -> Vec<(Vec<Step>, &'m dyn Metric)> {
+    let entries = scope.document.value.get("metrics").and_then(Value::as_array).into_iter().flatten();
+    let entry = |(i, settings): (usize, &Value)| {
+        let metric = metrics.iter().find(|metric| settings["type"] == metric.typetag_name())?;
+        Some((vec![Step::Key("metrics".into()), Step::Index(i)], metric.as_ref()))
+    };
+    entries.enumerate().filter_map(entry).collect()
 }
 
 /// Whether there are no known results, and none that have a diagnostic of their own.
@@ -110,15 +121,12 @@ pub(super) fn check_bound(
 ) {
     let pair = TransferPair { source: &source.surface, target: target.seen_surface(), markers, proximity: None };
     let context = MetricContext { rest: &target.sequence.rest, surface: &target.surface, pair: Some(pair), map: None };
-    let named = scope.document.value.get("metrics").and_then(Value::as_array);
-    for (i, settings) in named.into_iter().flatten().enumerate() {
-        let at = [Step::Key("metrics".into()), Step::Index(i)];
-        let Some(metric) = metrics.iter().find(|metric| settings["type"] == metric.typetag_name()) else { continue };
+    for (at, metric) in entries(scope, metrics) {
         if let Err(error) = metric.bind(context).map(drop)
             && !scope.is_reported(&error, &at)
         {
             let location = scope.document.location(&at, At::Value);
-            found.diagnostics.push(binding_error(metric.as_ref(), error).at(location));
+            found.diagnostics.push(binding_error(metric, error).at(location));
         }
     }
 }

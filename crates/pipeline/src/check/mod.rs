@@ -19,6 +19,6 @@ mod stages;
 mod writable;
 
 pub use common::Options;
-pub use parts::{prepare_meshes, prepare_source};
+pub use parts::{OTHER_MESHES, prepare_meshes, prepare_source};
 pub use rest_meshes::in_file;
-pub use runs::{prepare, prepare_all};
+pub use runs::prepare_all;

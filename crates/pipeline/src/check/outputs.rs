@@ -39,8 +39,11 @@ pub(super) fn outputs(
         if outputs.report.as_os_str().is_empty() {
             outputs.report = pattern.parent().unwrap_or(Path::new("")).join("run.json");
         }
-        if let Some(visual) = VisualOutput::of(&pattern) {
-            if has_no_placeholder(scope, found, &pattern, &at) && files.add(scope, found, &pattern, &at) {
+        // Folders that are given beside the file may be called anything.
+        if let Some((message, hint)) = wrong_placeholder(item) {
+            found.wrong(scope, &at, At::Value, message, hint);
+        } else if let Some(visual) = VisualOutput::of(&pattern) {
+            if has_no_placeholder(scope, found, item, &at) && files.add(scope, found, &pattern, &at) {
                 match visual {
                     VisualOutput::Page => outputs.pages.push(pattern),
                     VisualOutput::Sheet => outputs.sheets.push(pattern),
@@ -55,6 +58,10 @@ pub(super) fn outputs(
     let fine = found.diagnostics.len() == before;
     if let Some(file) = pipeline.keep_correspondence.as_deref() {
         let at = path(["keep_correspondence"]);
+        if let Some(name) = placeholders(&file.to_string_lossy()).first() {
+            let message = format!("the correspondence is one file, so its name cannot have `{{{name}}}`");
+            found.wrong(scope, &at, At::Value, message, format!("remove `{{{name}}}`"));
+        }
         let file = destination(scope, out, &at, file);
         if pipeline.transfer.is_some() && scope.document.value.get("correspondence").is_none() {
             let hint = "add e.g. `correspondence: { type: nonrigid_fit }`, or remove `keep_correspondence`";
@@ -100,24 +107,29 @@ impl VisualOutput {
     }
 }
 
+/// What is wrong with the placeholders of `pattern`, as the pipeline spells it, and the way out.
+fn wrong_placeholder(pattern: &str) -> Option<(String, String)> {
+    if let Some(other) = placeholders(pattern).into_iter().find(|name| *name != "pose") {
+        return Some((format!("unknown placeholder `{{{other}}}`"), "`{pose}` stands for the pose's name".into()));
+    }
+    let (folder, name) = pattern.rsplit_once('/')?;
+    folder.contains(POSE).then(|| {
+        let name = if name.contains(POSE) { name.into() } else { format!("{{pose}}-{name}") };
+        ("`{pose}` in the name of a folder: poses share their folder".into(), format!("e.g. `out/{name}`"))
+    })
+}
+
 /// Whether `pattern` can name a page or a sheet; a diagnostic if not.
-fn has_no_placeholder(scope: Scope<'_>, found: &mut Findings, pattern: &Path, at: &[Step]) -> bool {
-    let text = pattern.to_string_lossy();
-    let Some(name) = placeholders(&text).first().copied() else { return true };
-    let message = format!("{} shows all poses, so its name cannot have `{{{name}}}`", pattern.display());
+fn has_no_placeholder(scope: Scope<'_>, found: &mut Findings, pattern: &str, at: &[Step]) -> bool {
+    let Some(name) = placeholders(pattern).first().copied() else { return true };
+    let message = format!("{pattern} shows all poses, so its name cannot have `{{{name}}}`");
     found.wrong(scope, at, At::Value, message, format!("remove `{{{name}}}`"));
     false
 }
 
 /// The results that `pattern` stands for.
 fn output(scope: Scope<'_>, found: &mut Findings, pattern: &Path, poses: &[PoseInput], at: &[Step]) -> Option<Output> {
-    let text = pattern.to_string_lossy();
     let name = pattern.file_name().unwrap_or_default().to_string_lossy();
-    if let Some(other) = placeholders(&name).into_iter().find(|name| *name != "pose") {
-        let message = format!("unknown placeholder `{{{other}}}`");
-        found.wrong(scope, at, At::Value, message, "`{pose}` stands for the pose's name");
-        return None;
-    }
     let writes = match scope.formats.writer(pattern) {
         Ok((_, writes)) => writes,
         Err(unknown) => {
@@ -126,9 +138,10 @@ fn output(scope: Scope<'_>, found: &mut Findings, pattern: &Path, poses: &[PoseI
         }
     };
     let extension = pattern.extension().unwrap_or_default().to_string_lossy();
-    match (writes, text.contains(POSE)) {
+    match (writes, name.contains(POSE)) {
         (Writes::Pose, true) => {
-            Some(Output::Poses(poses.iter().map(|pose| PathBuf::from(with_pose(&text, &pose.name))).collect()))
+            let file = |pose: &PoseInput| pattern.with_file_name(with_pose(&name, &pose.name));
+            Some(Output::Poses(poses.iter().map(file).collect()))
         }
         (Writes::Sequence, false) => Some(Output::Sequence(pattern.into())),
         (Writes::Pose, false) => {
@@ -141,6 +154,24 @@ fn output(scope: Scope<'_>, found: &mut Findings, pattern: &Path, poses: &[PoseI
             let message = format!("a .{extension} file holds all poses, so its name cannot have `{{pose}}`");
             found.wrong(scope, at, At::Value, message, "remove `{pose}`");
             None
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn poses_are_told_apart_by_the_name_of_their_file() {
+        for fine in ["{pose}.obj", "out/{pose}.obj", "out/all.glb", "a{b.obj"] {
+            assert_eq!(wrong_placeholder(fine), None, "{fine}");
+        }
+        let (message, hint) = wrong_placeholder("of/{pose}/mesh.obj").unwrap();
+        assert_eq!(message, "`{pose}` in the name of a folder: poses share their folder");
+        assert_eq!(hint, "e.g. `out/{pose}-mesh.obj`");
+        for unknown in ["{who}/{pose}.obj", "out/{who}.obj"] {
+            assert_eq!(wrong_placeholder(unknown).unwrap().0, "unknown placeholder `{who}`", "{unknown}");
         }
     }
 }

@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use mimesh_core::{plugin, stage::KeyPoints};
-use mimesh_document::{At, Diagnostic, Document, diagnostic::Result};
+use mimesh_document::{At, Diagnostic, Document, Kind, Location, diagnostic::Result, path};
+use mimesh_markers::MarkerFiles;
 
 use super::{
     common::{Options, check_formats, check_registry, pipeline_files, refused_without_reason},
@@ -15,22 +16,26 @@ use super::{
 };
 use crate::{
     cache::Cache,
-    compose::compose_source,
+    compose::{Part, compose_part},
     formats::Formats,
-    input::{FileHashes, Meshes, PreparedSource},
+    input::{FileHashes, InputFile, Meshes, PreparedSource},
     parse::{Parsed, Required, parse},
     schema::resolve_files,
 };
 
-/// Reads the source of the pipeline in `file`; of the rest only what concerns key points is looked at.
+/// Remedy: give the two meshes themselves instead of a pipeline.
+pub const OTHER_MESHES: &str = "other_meshes";
+
+/// Reads the source of the pipeline in `file`, and the other slots that concern key points.
 ///
 /// Which of its seams open is taken from `cache` if it is there.
 ///
 /// # Errors
 ///
-/// All that can be found wrong with that part without computing or reading poses.
+/// All that can be found wrong with these slots without choosing points or reading poses.
 pub fn prepare_source(file: &Path, options: &Options, cache: Option<&Cache>) -> Result<PreparedSource> {
-    let (mut document, included, targets) = compose_source(file, &options.settings)?;
+    let slots = ["source", "target", "markers", "key_points", "formats"];
+    let Part { mut document, included, targets } = compose_part(file, &options.settings, &slots)?;
     resolve_files(&mut document);
     let mut found = Findings { inputs: pipeline_files(file, &included), ..Findings::default() };
     let Parsed { mut pipeline, rejected } = parse(&document, Required::Source, &mut found.diagnostics);
@@ -40,21 +45,34 @@ pub fn prepare_source(file: &Path, options: &Options, cache: Option<&Cache>) -> 
     check_formats(scope, &mut found);
     let seam_cache = SeamCache { cache, hashes: &FileHashes::default() };
     let (source, poses) = poses::source(scope, &mut found, &pipeline.source, seam_cache);
-    let markers = pipeline.markers.as_ref().and_then(|files| marker_files(scope, files).one().cloned());
+    let files_of_markers = pipeline.markers.as_ref().map(|files| marker_files(scope, files));
+    let target = pipeline.target.rest.filter(|_| targets.len() <= 1);
+    let mut inputs = found.inputs.clone();
+    let named = files_of_markers.iter().flat_map(MarkerFiles::named);
+    inputs.extend(named.map(|(_, file)| InputFile { role: "markers", path: file.clone() }));
+    let rest = target.iter().map(|rest| scope.path(&path(["target", "rest"]), rest));
+    inputs.extend(rest.map(|path| InputFile { role: "target rest", path }));
     finish(found, file)?;
     let source = source.ok_or_else(refused_without_reason)?;
     let key_points = pipeline.key_points.take().ok_or_else(|| missing_key_points(&document))?;
-    let target = pipeline.target.rest.filter(|_| targets == 1);
-    Ok(PreparedSource { source, poses, formats, key_points, markers, target })
+    let markers = files_of_markers.and_then(|files| files.one().cloned());
+    Ok(PreparedSource { source, poses, formats, key_points, markers, target, inputs })
 }
 
-/// Reads the meshes of the pipeline in `file`; of the rest nothing is looked at but the names of its markers.
+/// Reads the meshes of the pipeline in `file`, and the names of its marker files.
 ///
 /// # Errors
 ///
-/// All that is wrong with that part.
+/// All that is wrong with these slots, and that there are several targets.
 pub fn prepare_meshes(file: &Path, options: &Options) -> Result<Meshes> {
-    let (document, included, _) = compose_source(file, &options.settings)?;
+    let slots = ["source", "target", "markers", "formats"];
+    let Part { mut document, included, targets } = compose_part(file, &options.settings, &slots)?;
+    if targets.len() > 1 {
+        let message = format!("the pipeline has several targets ({}), expected one", targets.join(", "));
+        let diagnostic = Diagnostic::new(Kind::Usage, message).at(Location::File(file.into()));
+        return Err(diagnostic.remedy(OTHER_MESHES, "", "give the two meshes themselves").into());
+    }
+    resolve_files(&mut document);
     let mut found = Findings { inputs: pipeline_files(file, &included), ..Findings::default() };
     let Parsed { mut pipeline, rejected } = parse(&document, Required::Meshes, &mut found.diagnostics);
     let formats = Formats::new(std::mem::take(&mut pipeline.formats));

@@ -9,10 +9,7 @@ use mimesh_core::{
     Figures,
     stage::{Marker, Proximity, ProximityGraph},
 };
-use mimesh_document::{
-    Diagnostic, Kind, Location,
-    diagnostic::{Result, SET_VALUE},
-};
+use mimesh_document::diagnostic::Result;
 
 use super::{
     common::{Options, check_formats, check_registry, pipeline_files, refused_without_reason},
@@ -41,23 +38,6 @@ use crate::{
     spec::Pipeline,
 };
 
-/// Reads and checks the pipeline in `file`, which declares a single run; see [`prepare_all`].
-///
-/// # Errors
-///
-/// All that can be found wrong without computing or reading poses, and that there are several runs.
-pub fn prepare(file: &Path, options: &Options, cache: Option<&Cache>) -> Result<Prepared> {
-    let mut all = prepare_all(file, options, cache)?;
-    match (all.pop(), all.len()) {
-        (Some(one), 0) => Ok(one),
-        (_, others) => {
-            let message = format!("the pipeline declares {} runs, expected one", others + 1);
-            let diagnostic = Diagnostic::new(Kind::BadPipeline, message).at(Location::File(file.into()));
-            Err(diagnostic.remedy(SET_VALUE, "matrix=", "name one target, and vary nothing").into())
-        }
-    }
-}
-
 /// Reads and checks the pipeline in `file`, for every target and every combination of its matrix; at least one run.
 ///
 /// The checks of stages look at the proximity graph of the target; it is taken from `cache` if it is there.
@@ -73,8 +53,8 @@ pub fn prepare_all(file: &Path, options: &Options, cache: Option<&Cache>) -> Res
     let mut shared = Shared { several, meshes, hashes: Arc::default(), cache };
     let mut prepared = Vec::new();
     for (i, run) in runs.into_iter().enumerate() {
-        match prepare_one(file, &included, run, options, &mut shared) {
-            Ok(one) => prepared.push(Prepared { reading: clock.stop("reading", "", seam_figures(&one)), ..one }),
+        match prepare_one(file, &included, run, options, &mut shared, clock) {
+            Ok(one) => prepared.push(one),
             Err(diagnostics) => collected.add(i, diagnostics),
         }
         clock = Clock::start();
@@ -92,9 +72,9 @@ pub fn prepare_all(file: &Path, options: &Options, cache: Option<&Cache>) -> Res
 }
 
 /// How many places of the source's and the target's seams open.
-fn seam_figures(prepared: &Prepared) -> Figures {
+fn seam_figures(source: &RestMesh, target: &RestMesh) -> Figures {
     let mut figures = Figures::default();
-    for (name, mesh) in [("source_seams_opened", &prepared.source), ("target_seams_opened", &prepared.target)] {
+    for (name, mesh) in [("source_seams_opened", source), ("target_seams_opened", target)] {
         if !mesh.welding.opened.is_empty() {
             figures.set(name, mesh.welding.opened.len());
         }
@@ -112,15 +92,15 @@ struct Shared<'a> {
     cache: Option<&'a Cache>,
 }
 
-/// Checks one run.
+/// Checks one run; `clock` has been running since its reading began.
 fn prepare_one(
     file: &Path,
     included: &[PathBuf],
     run: Run,
     options: &Options,
     shared: &mut Shared<'_>,
+    clock: Clock,
 ) -> Result<Prepared> {
-    let clock = Clock::start();
     let Run { variant, mut document } = run;
     let files = resolve_files(&mut document);
     let mut found = Findings { inputs: pipeline_files(file, included), ..Findings::default() };
@@ -159,6 +139,11 @@ fn prepare_one(
     let (Some(source), Some(target), Some(markers)) = (source, target, markers) else {
         return Err(refused_without_reason().into());
     };
+    let reading = clock.stop("reading", "", seam_figures(&source, &target));
+    let reading = match &proximity {
+        Some(proximity) => reading.without(&proximity.report),
+        None => reading,
+    };
     Ok(Prepared {
         file: file.into(),
         variant,
@@ -166,7 +151,7 @@ fn prepare_one(
         inputs: found.inputs,
         warnings: found.warnings,
         hashes: shared.hashes.clone(),
-        reading: clock.stop("reading", "", Figures::default()),
+        reading,
         formats,
         source,
         target,

@@ -1,6 +1,8 @@
+//! `matrix`: keys to vary with their values, and a run for every combination.
+
 use mimesh_document::{
     At, Document, Step, describe,
-    diagnostic::{Diagnostic, Diagnostics, Kind},
+    diagnostic::{Diagnostic, Diagnostics, Kind, Location},
     overrides::{put, split},
     path,
     source_tree::SpanEntry,
@@ -9,7 +11,7 @@ use serde_json::Value;
 
 use crate::{
     compose::{names, targets::node_at},
-    schema::PipelineShapes,
+    schema::{PipelineShapes, is_of_whole_file},
 };
 
 /// More runs than this are taken for a slip.
@@ -26,6 +28,18 @@ pub(super) struct Axis {
     short: String,
     /// The values, where they were written, and what they are called.
     values: Vec<(Value, SpanEntry, String)>,
+}
+
+impl Axis {
+    /// The place of its key.
+    pub fn location(&self) -> Option<Location> {
+        self.values.first().map(|(_, at, _)| at.key.location())
+    }
+
+    /// Whether its values and those at `path` replace each other.
+    pub fn overlaps(&self, path: &[Step]) -> bool {
+        path.starts_with(&self.path) || self.path.starts_with(path)
+    }
 }
 
 /// A value for each key.
@@ -56,11 +70,11 @@ pub(super) fn take(document: &mut Document, diagnostics: &mut Diagnostics) -> Op
     let mut axes = Vec::new();
     for ((key, value), short) in map.iter().zip(short) {
         let at = [&at[..], &[Step::Key(key.clone())]].concat();
-        let mut tell = |at: &[Step], point, message: String, hint: &str| {
+        let mut report = |at: &[Step], point, message: String, hint: &str| {
             diagnostics.push(document.diagnostic(at, point, message).hint(hint));
         };
         let Some(path) = split(key) else {
-            tell(
+            report(
                 &at,
                 At::Key,
                 format!("`{key}` is no path of keys"),
@@ -69,9 +83,9 @@ pub(super) fn take(document: &mut Document, diagnostics: &mut Diagnostics) -> Op
             continue;
         };
         if let Some(Step::Key(first)) = path.first()
-            && ["include", "targets", "matrix"].contains(&first.as_str())
+            && is_of_whole_file(first)
         {
-            tell(
+            report(
                 &at,
                 At::Key,
                 format!("`{first}` cannot vary"),
@@ -82,7 +96,7 @@ pub(super) fn take(document: &mut Document, diagnostics: &mut Diagnostics) -> Op
         let list = match value {
             Value::Array(list) if !list.is_empty() => list,
             Value::Array(_) => {
-                tell(
+                report(
                     &at,
                     At::Value,
                     format!("`{key}`: the sequence of values is empty"),
@@ -90,10 +104,10 @@ pub(super) fn take(document: &mut Document, diagnostics: &mut Diagnostics) -> Op
                 );
                 continue;
             }
-            // Values set by the command line may be anything, too.
+            // Values that are set beside the file may be anything, too.
             other => {
                 let hint = format!("put one value into a sequence as well: `{key}: [{}]`", plain(other));
-                tell(
+                report(
                     &at,
                     At::Value,
                     format!("`{key}`: expected a sequence of values, found {}", describe(other)),
@@ -106,7 +120,7 @@ pub(super) fn take(document: &mut Document, diagnostics: &mut Diagnostics) -> Op
         for (i, (value, name)) in list.iter().zip(names::of_values(list)).enumerate() {
             let at = [&at[..], &[Step::Index(i)]].concat();
             if values.iter().any(|(other, ..)| other == value) {
-                tell(
+                report(
                     &at,
                     At::Value,
                     format!("`{key}`: {} stands here a second time", plain(value)),

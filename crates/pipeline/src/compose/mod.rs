@@ -1,5 +1,7 @@
-//! From one file to the runs that it declares: what it includes, what the command line sets, a run for every target and
-//! every combination of the matrix, variables, and names in paths, in this order.
+//! From one file to the runs that it declares.
+//!
+//! In this order: what the file includes, values that are set beside it, a run for every target and every combination of the
+//! matrix, variables, and names in paths.
 
 mod matrix;
 pub mod names;
@@ -17,7 +19,7 @@ pub use variant::Variant;
 use mimesh_document::{
     At, Document, Step,
     diagnostic::{Diagnostic, Diagnostics, Kind, Location, Result, SET_VALUE},
-    include, overrides,
+    include, overrides, path,
     source_tree::SourceSpan,
     suggest::did_you_mean,
     variables::{self, Substituted},
@@ -28,9 +30,12 @@ use serde_json::Value;
 use self::{
     matrix::{Axis, Combination},
     placeholders::OutputPattern,
-    targets::OneTarget,
+    targets::{MESH, OneTarget},
 };
-use crate::schema::{PipelineShapes, merge_slot_defaults};
+use crate::{
+    parse::slots as pipeline_slots,
+    schema::{PipelineShapes, is_of_whole_file, merge_slot_defaults},
+};
 
 /// A run, as a pipeline of its own.
 #[derive(Debug)]
@@ -50,13 +55,13 @@ pub struct Runs {
     pub included: Vec<PathBuf>,
     /// What is wrong with how they are put together, each once.
     pub diagnostics: Diagnostics,
-    /// Places of values that were suppressed as they are because of these diagnostics: what is wrong with them follows.
+    /// Places of values that stay as they are because of these diagnostics: what is wrong with them follows.
     pub suppressed: Vec<Location>,
     /// Sentences about what looks wrong.
     pub warnings: Vec<String>,
 }
 
-/// Reads `file` with what it includes and takes it apart into its runs; `settings` are those of the command line.
+/// Reads `file` with what it includes and takes it apart into its runs; `settings` are values that are set beside it.
 ///
 /// # Errors
 ///
@@ -83,27 +88,39 @@ pub fn compose(file: &Path, settings: &[String]) -> Result<Runs> {
     expansion.runs(included, diagnostics)
 }
 
-/// The pipeline of `file` before it is taken apart into its runs, as far as its source is concerned, and how many targets there
-/// are.
+/// Some slots of a pipeline, before it is taken apart into its runs.
+#[derive(Debug)]
+pub struct Part {
+    /// The pipeline with these slots alone.
+    pub document: Document,
+    /// The files that are included.
+    pub included: Vec<PathBuf>,
+    /// The names of its targets. The only target is in the document; of several, none is.
+    pub targets: Vec<String>,
+}
+
+/// The slots `read` of the pipeline in `file`; keys that no pipeline has stay, to be reported.
 ///
 /// # Errors
 ///
-/// As [`compose`], and what is wrong with its variables.
-pub fn compose_source(file: &Path, settings: &[String]) -> Result<(Document, Vec<PathBuf>, usize)> {
-    let (mut whole, included) = include::read(file)?;
-    overrides::apply(&mut whole, settings, &PipelineShapes)?;
+/// As [`compose`], and what is wrong with variables in these slots.
+pub fn compose_part(file: &Path, settings: &[String], read: &[&str]) -> Result<Part> {
+    let (mut document, included) = include::read(file)?;
+    overrides::apply(&mut document, settings, &PipelineShapes)?;
     let mut ignored = Diagnostics::default();
-    matrix::take(&mut whole, &mut ignored);
-    let targets = targets::take(&mut whole, &mut ignored);
-    let count = targets.as_ref().map_or(1, Vec::len);
-    if let Some([one]) = targets.as_deref() {
-        whole = one.of(&whole);
+    matrix::take(&mut document, &mut ignored);
+    let targets = targets::take(&mut document, &mut ignored).unwrap_or_default();
+    if let [one] = &targets[..] {
+        document = one.of(&document);
     }
-    let diagnostics = variables::substitute(&mut whole).diagnostics;
-    whole.value = type_first(std::mem::take(&mut whole.value));
-    merge_slot_defaults(&mut whole);
-    diagnostics.into_result()?;
-    Ok((whole, included, count))
+    // Other slots may use variables that the matrix or a target defines.
+    for slot in pipeline_slots().into_iter().filter(|slot| !read.contains(slot)) {
+        document.take(slot);
+    }
+    variables::substitute(&mut document).diagnostics.into_result()?;
+    document.value = type_first(std::mem::take(&mut document.value));
+    merge_slot_defaults(&mut document);
+    Ok(Part { document, included, targets: targets.into_iter().map(|target| target.name).collect() })
 }
 
 struct Expansion<'a> {
@@ -218,21 +235,46 @@ impl Variables {
 fn sort(settings: &[String]) -> (Vec<String>, Vec<String>) {
     let of_whole = |setting: &&String| {
         let key = setting.trim_start().split(['.', '=']).next().unwrap_or_default();
-        ["targets", "matrix", "include"].contains(&key.trim())
+        is_of_whole_file(key.trim())
     };
     settings.iter().cloned().partition(|setting| of_whole(&setting))
 }
 
-/// Settings that what makes several runs would undo, or make the same for all.
+/// Values that replace each other: of settings, of keys of the matrix, and of targets.
 fn check_conflicts(settings: &[String], axes: Option<&[Axis]>, targets: Option<&[OneTarget]>) -> Vec<Diagnostic> {
+    let mut diagnostics = conflicts_of_axes(axes.unwrap_or_default(), targets.is_some());
+    diagnostics.extend(conflicts_of_settings(settings, axes, targets));
+    diagnostics
+}
+
+/// Keys of the matrix that lie within each other, or that give every target the same mesh.
+fn conflicts_of_axes(axes: &[Axis], has_targets: bool) -> Vec<Diagnostic> {
+    let mut diagnostics = Vec::new();
+    for (i, axis) in axes.iter().enumerate() {
+        let mut conflict = |message: String, hint: &str| {
+            let diagnostic = Diagnostic::new(Kind::BadPipeline, message).hint(hint);
+            diagnostics.push(Diagnostic { location: axis.location(), ..diagnostic });
+        };
+        if let Some(other) = axes[..i].iter().find(|other| other.overlaps(&axis.path)) {
+            let message = format!("`{}` and `{}` replace each other's values", other.key, axis.key);
+            conflict(message, "vary one of the two, with all settings in its values");
+        }
+        if has_targets && MESH.iter().any(|key| axis.overlaps(&path(["target", key]))) {
+            let message = format!("`{}` beside `targets`, each of which has its own mesh", axis.key);
+            conflict(message, "name the meshes as targets, or remove `targets`");
+        }
+    }
+    diagnostics
+}
+
+/// Settings that what makes several runs would undo, or make the same for all.
+fn conflicts_of_settings(settings: &[String], axes: Option<&[Axis]>, targets: Option<&[OneTarget]>) -> Vec<Diagnostic> {
     let mut diagnostics = Vec::new();
     for setting in settings {
         let Ok((path, _)) = overrides::read(setting) else { continue };
         let conflict = |message: String| Diagnostic::new(Kind::Usage, message).at(Location::Setting(setting.clone()));
         let keys = path.iter().map(Step::to_string).collect::<Vec<_>>();
-        if let Some(axis) =
-            axes.unwrap_or_default().iter().find(|axis| path.starts_with(&axis.path) || axis.path.starts_with(&path))
-        {
+        if let Some(axis) = axes.unwrap_or_default().iter().find(|axis| axis.overlaps(&path)) {
             let hint = format!("vary it otherwise, e.g. by `matrix.{}=[…]`", axis.key);
             let diagnostic = conflict(format!("`{}` is varied by `matrix`", axis.key)).hint(hint);
             diagnostics.push(diagnostic.remedy(SET_VALUE, "matrix=", "vary nothing"));

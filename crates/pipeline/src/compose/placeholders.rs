@@ -67,7 +67,7 @@ pub(super) fn fill(
                     None => {}
                 }
             }
-            if let Some(value) = value_mut(&mut document.value, &at) {
+            if let Some(value) = document.get_mut(&at) {
                 *value = Value::String(text);
             }
             if slot == path(["output"]) || slot == path(["keep_correspondence"]) {
@@ -120,10 +120,6 @@ fn with(pattern: &str, placeholder: &str) -> String {
     let stem = stem(file.as_ref());
     let rest = file.strip_prefix(stem.as_str()).unwrap_or_default();
     format!("{folder}{slash}{stem}-{placeholder}{rest}")
-}
-
-fn value_mut<'v>(value: &'v mut Value, at: &[Step]) -> Option<&'v mut Value> {
-    at.iter().try_fold(value, |value, step| step.get_mut(value))
 }
 
 #[cfg(test)]

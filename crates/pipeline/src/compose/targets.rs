@@ -1,3 +1,5 @@
+//! `targets`: several meshes in place of `target`, each with what differs for it.
+
 use mimesh_document::{
     At, Document, Step, describe,
     diagnostic::Diagnostics,
@@ -9,6 +11,9 @@ use mimesh_document::{
 use serde_json::{Map, Value};
 
 use crate::{compose::names::refused, parse::slots as pipeline_slots, schema::SchemaNode};
+
+/// The keys that give the mesh of a target.
+pub(super) const MESH: [&str; 2] = ["rest", "generator"];
 
 /// A target with what differs for it.
 #[derive(Debug)]
@@ -39,7 +44,8 @@ pub(super) fn take(document: &mut Document, diagnostics: &mut Diagnostics) -> Op
         document.take("targets");
         return Some(vec![]);
     };
-    if document.get(&path(["target"])).is_some() {
+    // Over one that is included stands `target: ~`.
+    if document.get(&path(["target"])).is_some_and(|target| !target.is_null()) {
         let hint = "name it among the targets and remove `target`; over one that is included write `target: ~`";
         diagnostics.push(document.diagnostic(&path(["target"]), At::Key, "`target` beside `targets`").hint(hint));
     }

@@ -37,7 +37,7 @@ impl FileHashes {
         entry.get_or_init(|| hashed(path).ok()).clone()
     }
 
-    /// The hash of `path` as bytes for a hasher; `None` if it cannot be read.
+    /// The hash of `path` in hexadecimal; `None` if it cannot be read.
     pub fn hash(&self, path: &Path) -> Option<String> {
         self.get(path).map(|file| file.blake3)
     }

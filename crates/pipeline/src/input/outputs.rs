@@ -13,7 +13,7 @@ pub struct Outputs {
     pub pages: Vec<PathBuf>,
     /// Sheets of pictures.
     pub sheets: Vec<PathBuf>,
-    /// The report of the run, beside the first result.
+    /// The report of the run, in the folder of the first pattern.
     pub report: PathBuf,
 }
 

@@ -45,8 +45,15 @@ pub struct Prepared {
     pub hashes: Arc<FileHashes>,
     /// Sentences about what looks wrong or was left out.
     pub warnings: Vec<String>,
-    /// The time that reading and checking took.
+    /// The time that reading and checking took, without the proximity graph.
     pub reading: StageReport,
+}
+
+impl Prepared {
+    /// Seconds from the start of reading until the pipeline was ready to run.
+    pub fn seconds(&self) -> f64 {
+        self.reading.seconds + self.proximity.as_ref().map_or(0.0, |proximity| proximity.report.seconds)
+    }
 }
 
 /// The part of a pipeline that key points are chosen by: its source, without mistakes.
@@ -64,6 +71,8 @@ pub struct PreparedSource {
     pub markers: Option<PathBuf>,
     /// The target's file, as the pipeline spells it.
     pub target: Option<PathBuf>,
+    /// The files that the pipeline reads, as far as these slots name them.
+    pub inputs: Vec<InputFile>,
 }
 
 /// The part of a pipeline that markers lie on: its two meshes at rest, without mistakes.

@@ -1,6 +1,7 @@
 //! The curves of a run: errors of vertices, and the main figure of each metric over poses.
 
 use maud::{Markup, html};
+use mimesh_core::{plugin, stage::Metric};
 
 use super::chart::{Axes, Line, chart, round_up};
 use crate::{
@@ -85,12 +86,21 @@ fn over_poses(report: &Report, column: &PrimaryStatistic) -> Markup {
     }
     let reasons = report.poses.iter().filter_map(|pose| pose.verdict.as_ref()).flat_map(|verdict| &verdict.reasons);
     let broken = reasons.filter(|r| r.metric == column.metric && r.statistic == column.statistic).map(|r| r.limit);
-    let keys = [column.metric.clone(), format!("{}_{}", column.metric, column.statistic)];
-    let gate = keys.iter().find_map(|key| report.gates.get(key)?.as_f64());
+    let full = format!("{}_{}", column.metric, column.statistic);
+    // The metric alone names the gate of its primary statistic.
+    let keys = [Some(&full), Some(&column.metric).filter(|_| is_primary(column))];
+    let gates = keys.into_iter().flatten().filter_map(|key| report.gates.get(key)?.as_f64());
+    let gate = gates.reduce(f64::min);
     let limit = gate.or(broken.reduce(f64::min));
     let highest = lines.iter().flat_map(|line| &line.points).map(|p| p[1].abs()).filter(|y| y.is_finite());
     let top = round_up(highest.fold(limit.unwrap_or(0.0), f64::max));
     let title = format!("{}, {}", column.metric, column.statistic).replace('_', " ");
     let axes = Axes { title: &title, x: "pose", y: "", upto: [report.poses.len() as f64, top], counts: true, limit };
     chart(&axes, &lines)
+}
+
+/// Whether `column` is the statistic that its metric declares first.
+fn is_primary(column: &PrimaryStatistic) -> bool {
+    let metric = plugin::instance::<dyn Metric>(&column.metric);
+    metric.is_some_and(|metric| metric.statistics().first().is_some_and(|first| first.name == column.statistic))
 }

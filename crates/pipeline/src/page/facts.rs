@@ -66,7 +66,7 @@ pub fn averages(report: &Report) -> Markup {
         @if !report.metrics.is_empty() {
             section {
                 h2 { "Metrics over all poses" }
-                p.note { "What each figure is: " code { "mimesh show metric NAME" } "." }
+                p.note { "The descriptions of the metrics say what each figure is." }
                 @for (metric, summary) in &report.metrics {
                     @let baseline = summary["nothing"].as_object().is_some_and(|figures| !figures.is_empty());
                     details open[metric == "point_error"] {
@@ -125,7 +125,7 @@ pub fn stages(report: &Report) -> Markup {
                         tr {
                             th { (stage.stage.replace('_', " ")) }
                             td.word { (stage.name) }
-                            td { @if stage.reused { "kept" } @else { (seconds(stage.seconds)) } }
+                            td { @if stage.reused { "cached" } @else { (seconds(stage.seconds)) } }
                             td.bar { span style=(format!("width:{:.1}%", share(stage))) {} }
                         }
                     }

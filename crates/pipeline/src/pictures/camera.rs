@@ -1,3 +1,5 @@
+//! The direction from which meshes are drawn.
+
 use mimesh_render::{Direction, UpAxis, View};
 use nalgebra::Point3;
 

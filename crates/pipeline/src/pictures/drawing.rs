@@ -1,3 +1,5 @@
+//! Pictures of single meshes: with errors in colour, or with markers.
+
 use std::borrow::Cow;
 
 use mimesh_core::mesh::{Surface, SurfacePoint};

@@ -1,3 +1,5 @@
+//! The pictures of the poses of a run, collected while they are measured.
+
 use std::{
     cmp::Ordering,
     collections::BTreeMap,
@@ -17,7 +19,7 @@ use super::{
     drawing::{Field, draw_field, draw_markers, image},
 };
 use crate::{
-    input::{Prepared, evenly_spaced as spread},
+    input::{Prepared, evenly_spaced},
     metrics::{Level, PoseMeasurements, Verdict},
     page::{Image, Pictures},
 };
@@ -88,7 +90,7 @@ impl<'a> Thumbnails<'a> {
     /// Prepares for the poses of `prepared`.
     pub fn new(prepared: &'a Prepared) -> Self {
         let mut chosen = vec![false; prepared.poses.len()];
-        spread(prepared.poses.len(), MAX_THUMBNAILS).into_iter().for_each(|i| chosen[i] = true);
+        evenly_spaced(prepared.poses.len(), MAX_THUMBNAILS).into_iter().for_each(|i| chosen[i] = true);
         let settings = prepared.pipeline.pictures;
         Self { prepared, cameras: [settings.into(), Camera::of_target(settings)], chosen, drawn: Mutex::default() }
     }

@@ -23,12 +23,15 @@ pub struct Report {
     pub status: String,
     /// The pipeline's file.
     pub pipeline: PathBuf,
+    /// The file that the run wrote this report into; empty in reports of older versions.
+    #[serde(default)]
+    pub place: PathBuf,
     /// Which of its runs this was, if it declares several.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub run: Option<RunOf>,
-    /// Its settings in full, with defaults and with what the command line set.
+    /// Its settings in full, with defaults and with the values that were set beside the file.
     pub settings: Value,
-    /// What the command line set.
+    /// The values that were set beside the file.
     pub set: Vec<String>,
     /// Threads used.
     pub threads: usize,
@@ -57,7 +60,7 @@ pub struct Report {
     pub outputs: Vec<WrittenFile>,
     /// Sentences about what looks wrong or was left out.
     pub warnings: Vec<String>,
-    /// Seconds from start to end.
+    /// Seconds from the start of reading until this report; of several runs, those of this one.
     pub seconds: f64,
     /// What the process used, from its own start.
     pub process: Usage,
@@ -77,7 +80,7 @@ pub struct RunOf {
 }
 
 impl RunOf {
-    /// Of `variant`; `None` for the only run of a file.
+    /// The run of `variant`; `None` for the only run of a file.
     pub fn new(variant: &Variant) -> Option<Self> {
         let Variant { name, target, values, .. } = variant;
         variant.is_declared().then(|| Self {
@@ -128,10 +131,10 @@ pub struct PoseReport {
     /// Why it failed, if it did.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error: Option<Value>,
-    /// Whether it was kept from an earlier run.
+    /// Whether its result was cached by an earlier run.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub reused: bool,
-    /// What the transfer says of it.
+    /// What the transfer reports of it.
     pub figures: Figures,
     /// The verdict on it; `None` if it was not measured.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -145,7 +148,7 @@ pub struct PoseReport {
 }
 
 impl MeshFigures {
-    /// Of a mesh.
+    /// The counts and the size of a mesh.
     pub fn new(side: &RestMesh) -> Self {
         let mesh = &side.sequence.rest;
         Self {

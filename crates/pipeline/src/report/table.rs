@@ -10,12 +10,14 @@ use serde_json::{Map, Value, json};
 use super::run_report::Report;
 use crate::{
     compose::{Variant, names},
+    json::to_value,
     metrics::{Level, primary_statistics},
     text,
 };
 
-/// How the runs of a file ended, as a table: a row a run, a column for its target, for each key that the matrix varies,
-/// for each metric, for the time and for how it ended.
+/// The outcomes of the runs of a file, as a table with a row for each run.
+///
+/// The columns are its target, each key that the matrix varies, each metric, its time and its status.
 #[derive(Debug)]
 pub struct Results {
     /// The pipeline's file.
@@ -40,9 +42,9 @@ pub struct Row {
 /// How a run ended.
 #[derive(Debug)]
 pub enum RunOutcome {
-    /// With results; some poses may have failed.
+    /// It gave results; some poses may have failed.
     Report(Box<Report>),
-    /// Without.
+    /// It gave no results, for these reasons.
     Failed(Vec<Diagnostic>),
 }
 
@@ -96,8 +98,8 @@ impl Results {
 
     /// For people: the main figure of `point_error` and of metrics that are not measured by themselves, keys by their short names.
     pub fn table(&self) -> Vec<Vec<String>> {
-        let tells = |column: &Column| self.is_main(column) && !is_usual(&column.metric);
-        let columns: Vec<Column> = self.columns().into_iter().filter(tells).collect();
+        let is_shown = |column: &Column| self.is_main(column) && !is_usual(&column.metric);
+        let columns: Vec<Column> = self.columns().into_iter().filter(is_shown).collect();
         let several = |metric: &str| columns.iter().filter(|column| column.metric == metric).count() > 1;
         let heading = |column: &Column| match several(&column.metric) || column.statistic != "mean" {
             true => format!("{} {}", column.metric, column.statistic),
@@ -132,7 +134,7 @@ impl Results {
         let row = |row: &Row| {
             let matrix: Map<String, Value> = row.variant.values.iter().cloned().collect();
             let (report, diagnostics) = match &row.outcome {
-                RunOutcome::Report(report) => (serde_json::to_value(report).unwrap_or_default(), vec![]),
+                RunOutcome::Report(report) => (to_value(report), vec![]),
                 RunOutcome::Failed(diagnostics) => (Value::Null, diagnostics.iter().map(Diagnostic::to_json).collect()),
             };
             let place = report.is_object().then_some(&row.place);

@@ -57,12 +57,12 @@ fn execute(prepared: &Prepared, plan: &Plan, cache: Option<&Cache>, progress: &d
     let Some(transfer) = &prepared.pipeline.transfer else {
         return Err(Diagnostic::new(Kind::Internal, "a pipeline without a transfer was taken for checked").into());
     };
+    let since_start = Clock::start();
     staging::remove_abandoned(&prepared.outputs.files());
     let cached = cache.zip(plan.cached.as_ref());
     let stages = Stages::new(prepared, transfer.as_ref(), cached, progress);
     let measured = cached_metrics(prepared, plan, &stages);
-    let measures = measured.is_none() && prepared.metrics.iter().any(|metric| !metric.needs_ground_truth());
-    if measures || !plan.is_complete() || prepared.outputs.correspondence.is_some() {
+    if plan.needs_map(prepared, measured.is_some()) {
         stages.map()?;
     } else {
         stages.cached_map();
@@ -79,7 +79,9 @@ fn execute(prepared: &Prepared, plan: &Plan, cache: Option<&Cache>, progress: &d
     }
 
     let mut staged = Vec::new();
-    if let (Some(path), Some(map)) = (&prepared.outputs.correspondence, stages.map()?) {
+    if let Some(path) = &prepared.outputs.correspondence
+        && let Some(map) = stages.map()?
+    {
         staged.push(written::correspondence(path, map)?);
     }
     progress.poses(prepared.poses.len());
@@ -102,7 +104,7 @@ fn execute(prepared: &Prepared, plan: &Plan, cache: Option<&Cache>, progress: &d
     }
 
     progress.stage("writing");
-    let mut report = assemble(prepared, stages, poses, &failed, &staged, cache)?;
+    let mut report = assemble(prepared, stages, poses, &failed, &staged, cache, since_start)?;
     report.warnings.splice(prepared.warnings.len()..prepared.warnings.len(), warnings);
     deduplicate(&mut report.warnings);
     if let Some(thumbnails) = thumbnails {
@@ -115,10 +117,10 @@ fn execute(prepared: &Prepared, plan: &Plan, cache: Option<&Cache>, progress: &d
     Ok(Finished { report, failed })
 }
 
-/// The cached measurements of all poses, where they will do: pictures show more than they hold.
+/// The cached measurements of all poses, where they will do.
 fn cached_metrics(prepared: &Prepared, plan: &Plan, stages: &Stages<'_>) -> Option<Vec<PoseMetrics>> {
     let measured = plan.cached.as_ref().is_some_and(|cached| cached.measured);
-    if !measured || prepared.outputs.are_visual() {
+    if !measured {
         return None;
     }
     let poses = stages.pose_cache()?;
@@ -143,6 +145,7 @@ fn assemble(
     failed: &[Diagnostic],
     staged: &[Staged],
     cache: Option<&Cache>,
+    since_start: Clock,
 ) -> Result<Report> {
     let clock = Clock::start();
     let inputs = inputs(prepared)?;
@@ -158,6 +161,7 @@ fn assemble(
         mimesh: env!("CARGO_PKG_VERSION").into(),
         status: if failed.is_empty() { "done" } else { "partly" }.into(),
         pipeline: prepared.file.clone(),
+        place: prepared.outputs.report.clone(),
         settings: settings(prepared),
         set: prepared.set.clone(),
         threads: rayon::current_num_threads(),
@@ -170,7 +174,7 @@ fn assemble(
         gates: prepared.gates.iter().map(|gate| (gate.key.clone(), gate.limit.into())).collect(),
         warnings: prepared.warnings.iter().cloned().chain(unmeasured).chain(of_cache).collect(),
         metrics: over_poses(&poses),
-        seconds: stages.iter().map(|stage| stage.seconds).sum(),
+        seconds: prepared.seconds() + since_start.seconds(),
         stages,
         poses,
         outputs: staged.iter().map(Staged::written).collect(),
@@ -206,8 +210,8 @@ fn inputs(prepared: &Prepared) -> Result<Vec<InputReport>> {
 /// The warning about a gate whose statistic no pose has.
 fn unmeasured_gate(gate: &Gate) -> String {
     format!(
-        "the gate `{}` is broken: {} gave `{}` for no pose; remove the gate, or see `mimesh show metric {}` for what it needs",
-        gate.key, gate.metric, gate.statistic, gate.metric
+        "the gate `{}` is broken: {} gave `{}` for no pose; remove the gate, or give the metric what it needs",
+        gate.key, gate.metric, gate.statistic
     )
 }
 

@@ -53,7 +53,8 @@ pub(super) struct Stream {
 }
 
 /// The output of one pose.
-struct PoseOutput {
+struct PoseOutput<'p> {
+    posed: &'p PosedPose,
     report: PoseReport,
     files: Vec<Staged>,
 }
@@ -82,19 +83,17 @@ impl<'a> PoseRunner<'a> {
             posed.extend(self.posed(chunk, &mut motion)?);
             let outputs: Vec<_> =
                 (0..chunk.len()).into_par_iter().map(|k| self.output(chunk[k], &posed, before + k)).collect();
-            for (k, ((_, pose), output)) in chunk.iter().zip(outputs).enumerate() {
-                let diagnostic = match (&posed[before + k], output) {
-                    (Ok(posed), Some(Ok(output))) => {
+            for ((_, pose), output) in chunk.iter().zip(outputs) {
+                let diagnostic = match output {
+                    Ok(output) => {
                         for (path, writer) in &mut sequences {
-                            let added = writer.add(&pose.name, &posed.target.positions);
+                            let added = writer.add(&pose.name, &output.posed.target.positions);
                             added.map_err(|error| write_error(path, error).into_diagnostic())?;
                         }
                         stream.add(pose, output);
                         continue;
                     }
-                    (Err(diagnostic), _) => diagnostic.clone(),
-                    (_, Some(Err(diagnostic))) => diagnostic,
-                    (Ok(_), None) => continue,
+                    Err(diagnostic) => diagnostic,
                 };
                 // A full disk is no fault of the pose.
                 if diagnostic.kind == Kind::CannotWrite {
@@ -255,19 +254,19 @@ impl<'a> PoseRunner<'a> {
         Ok(target)
     }
 
-    /// Measures and writes pose `k` of `posed`; `None` if it failed before.
-    fn output(
+    /// Measures and writes pose `k` of `posed`; the diagnostic of a pose that failed before.
+    fn output<'p>(
         &self,
         (i, pose): Numbered<'_>,
-        posed: &[PoseResult<PosedPose>],
+        posed: &'p [PoseResult<PosedPose>],
         k: usize,
-    ) -> Option<PoseResult<PoseOutput>> {
-        let this = posed[k].as_ref().ok()?;
+    ) -> PoseResult<PoseOutput<'p>> {
+        let this = posed[k].as_ref().map_err(Clone::clone)?;
         let before = [1, 2].map(|back| k.checked_sub(back).and_then(|k| posed[k].as_ref().ok()).map(PosedPose::frame));
         let figures = this.target.figures.clone();
         let mut report = PoseReport { name: pose.name.clone(), reused: this.reused, figures, ..PoseReport::default() };
         self.measurer.measure(i, this, before, self.stages.pose_cache(), &mut report);
-        Some(self.write(i, &this.target.positions).map(|files| PoseOutput { report, files }))
+        self.write(i, &this.target.positions).map(|files| PoseOutput { posed: this, report, files })
     }
 
     /// The files of one pose.
@@ -291,7 +290,7 @@ impl<'a> PoseRunner<'a> {
 }
 
 impl Stream {
-    fn add(&mut self, pose: &PoseInput, output: PoseOutput) {
+    fn add(&mut self, pose: &PoseInput, output: PoseOutput<'_>) {
         let warnings = output.report.figures.warnings.iter();
         self.warnings.extend(warnings.map(|warning| format!("pose {}: {warning}", pose.name)));
         self.poses.push(output.report);
@@ -316,8 +315,7 @@ fn posed_target(
     let target = &prepared.target;
     let positions = target.surface.to_mesh(&target.from_seen(transferred.positions))?;
     check_finite(&positions).map_err(|error| {
-        let hint =
-            "the method cannot cope with this pose; look at it, and at degenerate triangles with `mimesh inspect`";
+        let hint = "the method cannot cope with this pose; look at it, and for degenerate triangles of the rest meshes";
         Error::data(format!("result: {error}"), hint)
     })?;
     Ok(PosedTarget { positions, figures: transferred.figures })

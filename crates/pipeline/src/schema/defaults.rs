@@ -13,7 +13,7 @@ pub fn merge_slot_defaults(document: &mut Document) {
     let mut additions = Vec::new();
     collect(SchemaNode::pipeline(), &document.value, &mut vec![], &mut additions);
     for (path, defaults) in additions {
-        if let Some(settings) = value_mut(&mut document.value, &path) {
+        if let Some(settings) = document.get_mut(&path) {
             add_missing(settings, &defaults);
         }
     }
@@ -50,8 +50,4 @@ fn add_missing(settings: &mut Value, defaults: &Value) {
             Some(_) => {}
         }
     }
-}
-
-fn value_mut<'v>(value: &'v mut Value, path: &[Step]) -> Option<&'v mut Value> {
-    path.iter().try_fold(value, |value, step| step.get_mut(value))
 }

@@ -11,7 +11,15 @@ use crate::{
     spec::{Pipeline, Target},
 };
 
-/// The keys that make several runs of one file, or one file of several.
+/// The keys that make several runs of one file, or one file of several; the others are those of a single run.
+pub const COMPOSITION_KEYS: [&str; 4] = ["include", "variables", "targets", "matrix"];
+
+/// Whether `key` belongs to the file as a whole: it cannot differ from run to run, as variables can.
+pub fn is_of_whole_file(key: &str) -> bool {
+    key != "variables" && COMPOSITION_KEYS.contains(&key)
+}
+
+/// The values of [`COMPOSITION_KEYS`].
 #[derive(Debug, Default, JsonSchema)]
 #[allow(dead_code, reason = "the schema is made of it; values are read with their places")]
 pub struct Composition {
@@ -42,7 +50,7 @@ pub fn file_schema() -> Value {
     let target = generator().into_root_schema_for::<Target>().to_value();
     variables_too(&mut root);
     let mut own = properties(&composition);
-    for slot in ["include", "variables", "targets", "matrix"] {
+    for slot in COMPOSITION_KEYS {
         own[slot]["type"] = json!(if slot == "include" { json!(["string", "array"]) } else { json!("object") });
         if let Some(schema) = own[slot].as_object_mut() {
             schema.retain(|key, _| !["anyOf", "default"].contains(&key.as_str()));

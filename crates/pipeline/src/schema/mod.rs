@@ -1,8 +1,8 @@
 //! The JSON Schema of pipelines, the one home of what a value may be.
 //!
-//! [`SchemaNode`] finds the schema of a value by its path; the kind of stage in a slot stands there as `x-stage`, the slot's own
-//! defaults as `x-defaults`, earlier names of keys as `x-renamed`, and settings that name a file as `x-file`. Ranges, choices,
-//! overrides, suggestions, `show` and the cache ask it.
+//! [`SchemaNode`] finds the schema of a value by its path. `x-stage` is the kind of stage in a slot, `x-defaults` the slot's own
+//! defaults, `x-renamed` earlier names of keys, and `x-file` marks settings that name a file. Ranges, choices, overrides,
+//! suggestions, `show` and the cache ask it.
 
 mod defaults;
 mod file;
@@ -13,7 +13,7 @@ mod values;
 mod words;
 
 pub use defaults::merge_slot_defaults;
-pub use file::{Composition, file_schema};
+pub use file::{COMPOSITION_KEYS, Composition, file_schema, is_of_whole_file};
 pub use node::SchemaNode;
 pub use settings::{description, inlined_settings_schema, settings_schema};
 pub use shapes::{PipelineShapes, types};

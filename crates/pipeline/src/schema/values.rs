@@ -12,7 +12,7 @@ use super::{SchemaNode, words::violated_range};
 pub struct FileSetting {
     /// Its path in the document.
     pub path: Vec<Step>,
-    /// The file, as it is written.
+    /// The file, as the setting spells it.
     pub file: PathBuf,
 }
 
@@ -48,8 +48,7 @@ pub fn resolve_files(document: &mut Document) -> Vec<FileSetting> {
         if !file.as_os_str().is_empty() {
             *file = from_base(document.folder(path), file);
         }
-        let value = path.iter().try_fold(&mut document.value, |value, step| step.get_mut(value));
-        if let Some(value) = value {
+        if let Some(value) = document.get_mut(path) {
             *value = file.to_string_lossy().into();
         }
     }
