@@ -12,20 +12,33 @@ use rayon::prelude::*;
 /// Source triangles with a smaller relative height correspond to nothing.
 const MIN_RELATIVE_HEIGHT: f64 = 1e-4;
 
+/// Points nearer to the source than this lie on it, in diagonals of the target.
+const COINCIDENT: f64 = 1e-6;
+
 /// Searches the triangles of the source whose normals are less than 90 degrees from a given one.
 ///
 /// Triangles that face away, as on the far side of an ear, are skipped in the search, so that the closest valid point is
 /// found; Sumner and Popović 2004 ask for compatible normals too.
+///
+/// A point that lies on the source belongs there whichever way it faces. Decimation turns triangles over in tight corners such as
+/// those of a mouth, and what faces the same way there is the other lip.
 pub struct Facing {
     search: ClosestPoint,
     /// Normals of any length; `None` for needles, whose deformation would be noise.
     normals: Vec<Option<Vector3<f64>>>,
     /// How much nearer a point that faces away must be to be taken; `None` for never.
     inner_depth: Option<f64>,
+    /// The distance below which a point lies on the source.
+    coincident: f64,
 }
 
 impl Facing {
-    pub fn new(positions: &[Point3<f64>], triangles: &[[u32; 3]]) -> Result<Self> {
+    /// Prepares to search `triangles` over `positions` for points of a target of that `diagonal`.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Data`](mimesh_core::Error::Data) if there is no triangle.
+    pub fn new(positions: &[Point3<f64>], triangles: &[[u32; 3]], diagonal: f64) -> Result<Self> {
         let normals = triangles
             .iter()
             .map(|t| {
@@ -33,7 +46,8 @@ impl Facing {
                 (relative_height(&corners) > MIN_RELATIVE_HEIGHT).then(|| normal(&corners))
             })
             .collect();
-        Ok(Self { search: ClosestPoint::new(positions, triangles)?, normals, inner_depth: None })
+        let search = ClosestPoint::new(positions, triangles)?;
+        Ok(Self { search, normals, inner_depth: None, coincident: COINCIDENT * diagonal })
     }
 
     /// Lets a point take the closest point whichever way it faces, where that is nearer by more than `depth`.
@@ -43,22 +57,29 @@ impl Facing {
 
     /// The closest valid point nearer than `limit`.
     pub fn find(&self, point: &Point3<f64>, normal: &Vector3<f64>, limit: f64) -> Option<OnSurface> {
-        let found = self.find_among(point, normal, limit, |_| true);
-        let Some(depth) = self.inner_depth else { return found };
-        let reach = found.map_or(limit, |found| found.distance - depth);
+        let found = self.search.find(point, limit, |t| self.faces(t, normal));
+        let distance = found.map_or(limit, |found| found.distance);
+        if distance <= self.coincident {
+            return found;
+        }
+        let deeper = self.inner_depth.map_or(0.0, |depth| found.map_or(limit, |found| found.distance - depth));
+        let reach = deeper.max(self.coincident).min(distance);
         self.search.find(point, reach, |t| self.normals[t as usize].is_some()).or(found)
     }
 
-    /// The closest point nearer than `limit` on a triangle that `accept` takes and whose normal is less than 90 degrees from `normal`.
-    pub fn find_among(
-        &self,
-        point: &Point3<f64>,
-        normal: &Vector3<f64>,
-        limit: f64,
-        accept: impl Fn(u32) -> bool,
-    ) -> Option<OnSurface> {
-        let same_way = |t: u32| self.normals[t as usize].is_some_and(|n| n.dot(normal) > 0.0);
-        self.search.find(point, limit, |t| same_way(t) && accept(t))
+    /// The closest point of the triangles that `accept` takes, whichever way it faces, if one is nearer than `limit`.
+    pub fn find_among(&self, point: &Point3<f64>, limit: f64, accept: impl Fn(u32) -> bool) -> Option<OnSurface> {
+        self.search.find(point, limit, |t| self.normals[t as usize].is_some() && accept(t))
+    }
+
+    /// Whether source triangle `t` faces the same way as `normal`.
+    pub fn faces(&self, t: u32, normal: &Vector3<f64>) -> bool {
+        self.normals[t as usize].is_some_and(|n| n.dot(normal) > 0.0)
+    }
+
+    /// |cos| of the angle between `normal`, of unit length, and that of source triangle `t`; 0 for a needle.
+    pub fn parallel(&self, t: u32, normal: &Vector3<f64>) -> f64 {
+        self.normals[t as usize].map_or(0.0, |n| n.dot(normal).abs() / n.norm())
     }
 
     /// For each vertex the closest valid point of the source nearer than `limit`.

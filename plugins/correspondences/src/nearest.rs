@@ -36,8 +36,9 @@ impl Correspondence for Nearest {
     fn correspond(&self, pair: TransferPair<'_>) -> Result<TriangleMap> {
         check_ranges(self)?;
         let (source, target) = (pair.source, pair.target);
-        let facing = Facing::new(&source.positions, &source.triangles)?;
-        let limit = self.max_distance * target.diagonal();
+        let diagonal = target.diagonal();
+        let facing = Facing::new(&source.positions, &source.triangles, diagonal)?;
+        let limit = self.max_distance * diagonal;
         let normals = vertex_normals(&target.positions, &target.triangles);
         let mut points = facing.points(&target.positions, &normals, limit);
         keep_sides(pair, &source.positions, &target.positions, &facing, limit, &mut points);

@@ -60,7 +60,8 @@ pub fn keep_sides(
                 }
             }
         }
-        if let Some(found) = facing.find_among(&at, &normals[v as usize], limit, |t| side.contains(&t)) {
+        let is_side = |t: u32| side.contains(&t) && facing.faces(t, &normals[v as usize]);
+        if let Some(found) = facing.find_among(&at, limit, is_side) {
             points[v as usize] = Some(SurfacePoint::Triangle(found.triangle, found.barycentric));
         }
     }

@@ -14,6 +14,7 @@
 //! | [`jitter`](jitter::Jitter) | trembling | frames |
 //! | [`closure`](closure::Closure) | lips and eyelids that do not close | vertices of both |
 //! | [`map_tears`](map_tears::MapTears) | a correspondence that jumps | a map |
+//! | [`map_collapse`](map_collapse::MapCollapse) | much of the target that follows little of the source | a map |
 //! | [`marker_fit`](marker_fit::MarkerFit) | markers in a wrong place, left and right swapped | markers |
 //!
 //! Two are not measured by default: `closure` needs vertices to be named, and `self_intersections` takes as long as all others
@@ -27,6 +28,7 @@ pub mod contact_slide;
 pub mod edge_stretch;
 pub mod flipped_triangles;
 pub mod jitter;
+pub mod map_collapse;
 pub mod map_tears;
 pub mod marker_fit;
 pub mod point_error;
@@ -34,6 +36,7 @@ pub mod self_intersections;
 pub mod volume;
 
 mod component_pairs;
+mod component_tears;
 mod crossing;
 mod diagonal;
 mod distribution;

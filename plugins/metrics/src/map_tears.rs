@@ -2,15 +2,20 @@
 
 use mimesh_core::{
     Figures, Result,
-    mesh::Surface,
+    mesh::{Surface, SurfacePoint},
     register,
     stage::{BoundMetric, Measured, Metric, MetricContext, MetricInput, Statistic, TransferPair, TriangleMap},
 };
-use nalgebra::Point3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::{diagonal, distribution::Distribution, elements, vertex_field};
+use crate::{
+    component_pairs,
+    component_tears::{self, Neighbours},
+    diagonal,
+    distribution::Distribution,
+    elements, vertex_field,
+};
 
 register!(Metric: MapTears);
 
@@ -22,8 +27,12 @@ register!(Metric: MapTears);
 /// apart.
 ///
 /// The gap is max(0, e′ − e − h) in percent of D′. Here h is the mean length of the source's edges, since a coarse source can do no
-/// better. Neighbours count by d. Distances are straight, not along the surface. All poses have the same statistics; without a map
-/// there are none. The field is the largest gap at a vertex.
+/// better. Neighbours count by d. All poses have the same statistics; without a map there are none. The field is the largest gap at a
+/// vertex.
+///
+/// These distances are straight. A component that lies on both lips, or on both thighs, shows along the source only. There two neighbours
+/// are torn if the way along the source exceeds e by more than 5 % of D′ and the longest edge of the two source triangles. Gaps between
+/// components of the source are bridged.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema, Serialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct MapTears {}
@@ -48,6 +57,13 @@ impl Metric for MapTears {
             Statistic::new("p99", "%", "99th percentile of the gap."),
             Statistic::new("max", "%", "Largest gap."),
             Statistic::new("stretch_p99", "ratio", "99th percentile of e′ / (e + h).").with_limits(1.4, 2.5),
+            Statistic::new(
+                "worst_component",
+                "%",
+                "Largest share of neighbours in a component that are torn along the source.",
+            )
+            .with_limits(10.0, 100.0),
+            Statistic::index("worst", "Component with the largest share, numbered by first vertex."),
         ]
     }
 
@@ -66,13 +82,6 @@ impl BoundMetric for Bound<'_> {
         self.context.check(&input)?;
         Ok(self.measured.clone())
     }
-}
-
-/// Two neighbours: their distances on target and source, and the vertices of the target that they belong to.
-struct Neighbours {
-    target: f64,
-    source: f64,
-    vertices: Vec<u32>,
 }
 
 /// The statistics and the field of a map at rest.
@@ -99,24 +108,29 @@ fn tears(context: MetricContext<'_>, pair: TransferPair<'_>, map: &TriangleMap) 
     statistics.set("p99", gaps.percentile(0.99));
     statistics.set("max", gaps.max());
     statistics.set("stretch_p99", stretch.map_or(0.0, |stretch| stretch.percentile(0.99)));
+    let mut about = vec![];
+    let worst = component_tears::worst(pair, &neighbours, source_diagonal / diagonal, source_diagonal)?;
+    if let Some((component, share)) = worst {
+        statistics.set("worst_component", share);
+        statistics.set("worst", component);
+        about.push(("worst_component", component_pairs::describe(context.surface, component)));
+    }
     let mut values = vec![f64::NAN; context.surface.vertex_count()];
     neighbours.iter().for_each(|n| vertex_field::raise(&mut values, &n.vertices, gap(n)));
     let field = vertex_field::on_mesh(context.surface, &values);
-    Ok(Measured { statistics, about: vec![], field, field_unit: "map gap, %", field_high: 10.0 })
+    Ok(Measured { statistics, about, field, field_unit: "map gap, %", field_high: 10.0 })
 }
 
 /// The ends of edges of the target that both have a point on the source.
 fn edge_ends(pair: TransferPair<'_>, map: &TriangleMap) -> Vec<Neighbours> {
-    let position = |point: &Option<_>| -> Option<Point3<f64>> {
-        point.map(|p: mimesh_core::mesh::SurfacePoint| p.position(pair.source, &pair.source.positions))
-    };
-    let points: Vec<Option<Point3<f64>>> = map.points.iter().map(position).collect();
+    let position = |point: SurfacePoint| point.position(pair.source, &pair.source.positions);
     let rest = &pair.target.positions;
     let neighbours = |[a, b]: [u32; 2]| {
-        let (p, q) = (points[a as usize]?, points[b as usize]?);
+        let (p, q) = (map.points[a as usize]?, map.points[b as usize]?);
         Some(Neighbours {
             target: (rest[b as usize] - rest[a as usize]).norm(),
-            source: (q - p).norm(),
+            source: (position(q) - position(p)).norm(),
+            places: [p, q],
             vertices: vec![a, b],
         })
     };
@@ -131,6 +145,7 @@ fn triangles(pair: TransferPair<'_>, map: &TriangleMap) -> Vec<Neighbours> {
         Some(Neighbours {
             target: (target[b as usize] - target[a as usize]).norm(),
             source: (source[q as usize] - source[p as usize]).norm(),
+            places: [p, q].map(|t| SurfacePoint::Triangle(t, [1.0 / 3.0; 3])),
             vertices: [a, b].iter().flat_map(|&t| pair.target.triangles[t as usize]).collect(),
         })
     };
@@ -145,10 +160,7 @@ fn mean_edge(surface: &Surface) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use mimesh_core::{
-        mesh::{Mesh, SurfacePoint},
-        testkit::meshes,
-    };
+    use mimesh_core::{mesh::Mesh, testkit::meshes};
 
     use super::*;
     use crate::testing::assert_statistic;

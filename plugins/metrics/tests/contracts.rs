@@ -14,6 +14,7 @@ fn every_metric_keeps_its_contract() {
         "edge_stretch",
         "flipped_triangles",
         "jitter",
+        "map_collapse",
         "map_tears",
         "marker_fit",
         "point_error",

@@ -18,7 +18,7 @@ pub struct EdgePaths {
 
 /// A vertex in the queue, nearest first, ties by number.
 #[derive(PartialEq)]
-struct Waiting(f64, u32);
+pub(super) struct Waiting(pub(super) f64, pub(super) u32);
 
 impl Eq for Waiting {}
 
@@ -86,14 +86,18 @@ impl EdgePaths {
             if distance > distances[v as usize] {
                 continue;
             }
-            let around = self.starts[v as usize] as usize..self.starts[v as usize + 1] as usize;
-            for &(neighbour, length) in &self.neighbours[around] {
+            for &(neighbour, length) in self.neighbours(v) {
                 if distance + length < distances[neighbour as usize] {
                     distances[neighbour as usize] = distance + length;
                     queue.push(Reverse(Waiting(distance + length, neighbour)));
                 }
             }
         }
+    }
+
+    /// The vertices one step from `v`, with the lengths of the steps.
+    pub(super) fn neighbours(&self, v: u32) -> &[(u32, f64)] {
+        &self.neighbours[self.starts[v as usize] as usize..self.starts[v as usize + 1] as usize]
     }
 }
 

@@ -5,9 +5,11 @@ mod edge_paths;
 mod handedness;
 mod nearest;
 mod similarity;
+mod surface_distance;
 
 pub use closest_point::{ClosestPoint, OnSurface};
 pub use edge_paths::EdgePaths;
 pub use handedness::{MIRRORED, mirror_gain, whitened};
 pub use nearest::Nearest;
 pub use similarity::{Orientation, Similarity};
+pub use surface_distance::{DistanceSearch, SurfaceDistance};

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize, Serializer};
 use crate::{
     Error, Figures, Result,
     mesh::{Components, Surface},
+    plugin::instance,
 };
 
 /// Finds which components of a target lie close together, and by which vertices.
@@ -100,6 +101,19 @@ impl ProximityGraph {
     /// The pairs of vertices of all links.
     pub fn pairs(&self) -> impl Iterator<Item = [u32; 2]> {
         self.links().flat_map(|link| link.pairs.iter().copied())
+    }
+
+    /// Pairs of vertices that bridge the gaps between the components of `surface`, for distances along it; none if it is one component.
+    ///
+    /// They are those of the proximity `spanning_tree` with its defaults; none if that is not linked into the program.
+    ///
+    /// # Errors
+    ///
+    /// The errors of that proximity.
+    pub fn bridges(surface: &Surface) -> Result<Vec<[u32; 2]>> {
+        let proximity = instance::<dyn Proximity>("spanning_tree").filter(|_| surface.components().count() > 1);
+        let graph = proximity.map(|proximity| proximity.proximity(surface)).transpose()?;
+        Ok(graph.map_or_else(Vec::new, |graph| graph.pairs().collect()))
     }
 
     /// Checks that the graph belongs to `target`.

@@ -9,7 +9,7 @@ use mimesh_core::{
 };
 use nalgebra::{Matrix3, Point3};
 
-use super::{link_elements::link_elements, unit_frame::UnitFrame};
+use super::{link_elements::link_elements, ties::ties, unit_frame::UnitFrame};
 
 /// Numbers of a usual mesh, for which the papers' weights are meant.
 const REFERENCE_TRIANGLES: f64 = 40_000.0;
@@ -21,8 +21,8 @@ const MARKER_WEIGHT: f64 = 1e6;
 /// Triangles with a smaller relative height get no element: its gradient, squared, would drown all others.
 const MIN_RELATIVE_HEIGHT: f64 = 1e-5;
 
-/// How strongly the vertices of triangles without an element are tied to each other, so that they follow their neighbours.
-const DEGENERATE_WEIGHT: f64 = 1e-3;
+/// Nor do triangles of a smaller height, in diagonals of the target.
+const MIN_HEIGHT: f64 = 1e-7;
 
 /// Weights of the terms of the energy that do not change with the steps, as in the settings of `nonrigid_fit`.
 #[derive(Clone, Copy, Debug)]
@@ -52,7 +52,7 @@ impl<'a> Elements<'a> {
             .iter()
             .map(|&[a, b, c]| {
                 let corners = [a, b, c].map(|v| rest[v as usize]);
-                if relative_height(&corners) < MIN_RELATIVE_HEIGHT {
+                if !has_element(&corners) {
                     return None;
                 }
                 unknowns += 1;
@@ -83,20 +83,16 @@ impl<'a> Elements<'a> {
                 a.add_smoothness(b, smoothness, &mut assembly);
             }
         }
-        if let Some(graph) = pair.proximity {
-            for (a, b, stiffness) in link_elements(&unit.target, self.surface, graph, &self.elements) {
-                let weight = stiffness * proximity;
-                a.add_smoothness(&b, weight * smoothness, &mut assembly);
-                a.add_target(&rest, weight * identity, &mut assembly, &mut rhs);
-                b.add_target(&rest, weight * identity, &mut assembly, &mut rhs);
-            }
+        let links = pair.proximity.map(|graph| link_elements(&unit.target, self.surface, graph, &self.elements));
+        let links = links.unwrap_or_default();
+        for (a, b, stiffness) in &links {
+            let weight = stiffness * proximity;
+            a.add_smoothness(b, weight * smoothness, &mut assembly);
+            a.add_target(&rest, weight * identity, &mut assembly, &mut rhs);
+            b.add_target(&rest, weight * identity, &mut assembly, &mut rhs);
         }
-        for (t, _) in self.surface.triangles.iter().zip(&self.elements).filter(|(_, e)| e.is_none()) {
-            for (i, j) in [(0, 1), (1, 2), (2, 0)] {
-                if t[i] != t[j] {
-                    assembly.add_outer(&[t[i], t[j]], &[[1.0], [-1.0]], DEGENERATE_WEIGHT);
-                }
-            }
+        for tie in ties(&unit.target, pair, &self.elements, &links) {
+            tie.add(&unit.target, smoothness, &mut assembly, &mut rhs);
         }
         let mut fixed = Vec::new();
         let mut values: [Vec<f64>; 3] = Default::default();
@@ -119,7 +115,8 @@ impl<'a> Elements<'a> {
         }
         let system = FixedUnknowns::new(&assembly.finish(), &fixed, "the fit of the target to the markers")?;
         let total: f64 = self.mass.iter().sum();
-        let share = self.mass.iter().map(|m| m / total * REFERENCE_VERTICES).collect();
+        let share = |mass: &f64| if total > 0.0 { mass / total * REFERENCE_VERTICES } else { 0.0 };
+        let share = self.mass.iter().map(share).collect();
         Ok(System { system, rhs, values: values.concat(), share, weight: 0.0, x: vec![] })
     }
 
@@ -137,6 +134,14 @@ impl<'a> Elements<'a> {
         });
         squares.sum()
     }
+}
+
+/// Whether a triangle, in the unit frame, is sound.
+fn has_element(corners: &[Point3<f64>; 3]) -> bool {
+    let [a, b, c] = corners;
+    let longest = (b - a).norm().max((c - b).norm()).max((a - c).norm());
+    let height = relative_height(corners);
+    height >= MIN_RELATIVE_HEIGHT && height * longest >= MIN_HEIGHT
 }
 
 /// The quadratic energy with its markers.

@@ -1,6 +1,12 @@
 //! E_R: components without markers follow those that have them (Zhou et al. 2010, section 2.2, eq. 4).
 
-use mimesh_core::{mesh::Surface, operators::Tetrahedron, stage::ProximityGraph};
+use std::cell::OnceCell;
+
+use mimesh_core::{
+    mesh::{Components, Surface},
+    operators::Tetrahedron,
+    stage::{Link, ProximityGraph},
+};
 use nalgebra::{Matrix3, Point3, Vector3};
 
 /// Most pairs of a link that get elements; more say the same and only fill the matrix.
@@ -16,22 +22,19 @@ pub type LinkElements = (Tetrahedron, Tetrahedron, f64);
 /// For some vertex pairs of each link, the two tetrahedra made of a triangle on one side and a vertex of the triangle on the
 /// other: of the triangles around the two vertices, those farthest apart along their normals.
 ///
-/// Where the two triangles are coplanar, their own elements, with their fourth vertices, stand in.
+/// A vertex without a sound triangle has the sound triangle of its component that is nearest to it, if there is one. Where the two
+/// triangles are coplanar, their own elements, with their fourth vertices, stand in.
 pub fn link_elements(
     rest: &[Point3<f64>],
     surface: &Surface,
     graph: &ProximityGraph,
     own: &[Option<Tetrahedron>],
 ) -> Vec<LinkElements> {
-    let mut around = vec![Vec::new(); rest.len()];
-    for (t, corners) in surface.triangles.iter().enumerate().filter(|(t, _)| own[*t].is_some()) {
-        corners.iter().for_each(|&v| around[v as usize].push(t));
-    }
+    let sound = SoundTriangles::new(rest, surface, &graph.components, own);
     let mut result = Vec::new();
     for link in graph.links() {
-        let step = link.pairs.len().div_ceil(MAX_PAIRS).max(1);
-        for &[i, j] in link.pairs.iter().step_by(step) {
-            let Some((a, b)) = opposite(rest, surface, &around[i as usize], &around[j as usize]) else { continue };
+        for [i, j] in spread_pairs(link) {
+            let Some((a, b)) = opposite(rest, surface, &sound.near(i), &sound.near(j)) else { continue };
             let on_a = tetrahedron(rest, surface.triangles[a], surface.triangles[b]);
             let on_b = tetrahedron(rest, surface.triangles[b], surface.triangles[a]);
             let elements = on_a.zip(on_b).or_else(|| Some((own[a].clone()?, own[b].clone()?)));
@@ -39,6 +42,65 @@ pub fn link_elements(
         }
     }
     result
+}
+
+/// The vertex pairs of a link that get elements.
+pub fn spread_pairs(link: &Link) -> impl Iterator<Item = [u32; 2]> {
+    let step = link.pairs.len().div_ceil(MAX_PAIRS).max(1);
+    link.pairs.iter().copied().step_by(step)
+}
+
+/// The triangles that have an element.
+struct SoundTriangles<'a> {
+    rest: &'a [Point3<f64>],
+    surface: &'a Surface,
+    components: &'a Components,
+    /// Those around each vertex.
+    around: Vec<Vec<usize>>,
+    /// Those of each component; made when a vertex has none around it.
+    of_component: OnceCell<Vec<Vec<usize>>>,
+}
+
+impl<'a> SoundTriangles<'a> {
+    fn new(
+        rest: &'a [Point3<f64>],
+        surface: &'a Surface,
+        components: &'a Components,
+        own: &[Option<Tetrahedron>],
+    ) -> Self {
+        let mut around = vec![Vec::new(); rest.len()];
+        for (t, corners) in surface.triangles.iter().enumerate().filter(|(t, _)| own[*t].is_some()) {
+            corners.iter().for_each(|&v| around[v as usize].push(t));
+        }
+        Self { rest, surface, components, around, of_component: OnceCell::new() }
+    }
+
+    /// Those around vertex `v`, or else the nearest of its component.
+    fn near(&self, v: u32) -> Vec<usize> {
+        let around = &self.around[v as usize];
+        if !around.is_empty() {
+            return around.clone();
+        }
+        let Some(component) = self.components.of_vertex[v as usize] else { return vec![] };
+        let of_component = &self.of_component.get_or_init(|| self.by_component())[component as usize];
+        let distance = |t: &usize| {
+            let corners = self.surface.corners(self.rest, *t);
+            corners.iter().map(|p| (p - self.rest[v as usize]).norm_squared()).fold(f64::INFINITY, f64::min)
+        };
+        of_component.iter().copied().min_by(|s, t| distance(s).total_cmp(&distance(t))).into_iter().collect()
+    }
+
+    fn by_component(&self) -> Vec<Vec<usize>> {
+        let mut result = vec![Vec::new(); self.components.count()];
+        for (v, around) in self.around.iter().enumerate() {
+            // Each triangle once, at its first corner.
+            let first = around.iter().filter(|&&t| self.surface.triangles[t][0] as usize == v);
+            if let Some(component) = self.components.of_vertex[v] {
+                result[component as usize].extend(first);
+            }
+        }
+        result
+    }
 }
 
 /// arg max |h · n_a| + |h · n_b| over triangles a, b of the two sides, h between their barycentres.

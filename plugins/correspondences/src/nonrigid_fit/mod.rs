@@ -16,7 +16,11 @@
 //!   because E_S does not grow with the number of triangles either: so weights mean the same at any resolution, and a finely
 //!   meshed face does not outweigh a leg;
 //! - the search for closest points skips triangles that face away, instead of dropping vertices whose nearest point does; inner
-//!   sides of the parts of a target of several components take the closest point whichever way it faces;
+//!   sides of the parts of a target of several components take the closest point whichever way it faces, and so does a vertex that
+//!   lies on the source;
+//! - a small component that has come to lie on two sides of the source, as a plate between the legs, moves to one (`patches`);
+//! - triangles without area have no gradient, and links between coplanar components hold no place: ties of two vertices stand in
+//!   (`ties`);
 //! - Zhou et al. print the rule for pairs the wrong way round (end of 2.2): here a triangle with a marker or a valid closest
 //!   point has a partner, and one without is an orphan;
 //! - E_R takes at most a dozen vertex pairs a link, and its weight w_R is a setting;
@@ -27,6 +31,9 @@
 mod elements;
 mod link_elements;
 mod markers;
+mod patches;
+mod tears;
+mod ties;
 mod unit_frame;
 
 use mimesh_core::{
@@ -44,6 +51,7 @@ use serde::{Deserialize, Serialize};
 
 use self::{
     elements::{Elements, EnergyWeights},
+    patches::Settled,
     unit_frame::UnitFrame,
 };
 use crate::{facing::Facing, sides::keep_sides};
@@ -108,11 +116,11 @@ impl Correspondence for NonrigidFit {
         let pair = self.linked(pair);
         let (source, target) = (pair.source, pair.target);
         let unit = UnitFrame::new(pair, self.orientation);
-        let mut facing = Facing::new(&unit.source, &source.triangles)?;
+        let mut facing = Facing::new(&unit.source, &source.triangles, 1.0)?;
         if target.components().count() > 1 {
             facing = facing.with_inner_sides(self.inner_depth);
         }
-        let (fit, mut points, figures) = self.fit(pair, &unit, &facing)?;
+        let (fit, mut points, mut figures) = self.fit(pair, &unit, &facing)?;
         let mut valid: Vec<bool> = points.iter().map(Option::is_some).collect();
         for marker in pair.markers {
             marker.target.corners(target).iter().for_each(|&(v, _)| valid[v as usize] = true);
@@ -124,6 +132,10 @@ impl Correspondence for NonrigidFit {
         for (partner, t) in triangles.iter_mut().zip(&target.triangles) {
             *partner = partner.filter(|_| t.iter().any(|&v| valid[v as usize]));
         }
+        let settled = Settled { pair, unit: &unit, facing: &facing, fit: &fit, max_distance: self.max_distance };
+        let moves = settled.moves(&points)?;
+        moves.iter().for_each(|moved| moved.apply(&settled, &mut points, &mut triangles));
+        patches::report(&moves, target, &mut figures);
         Ok(TriangleMap { source_triangle_count: source.triangle_count(), triangles, points, figures })
     }
 
