@@ -11,7 +11,7 @@ use mimesh_core::{
     random::Random,
     register,
     spatial::EdgePaths,
-    stage::Sampler,
+    stage::{AvailablePoints, Sampler},
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -56,6 +56,19 @@ impl Sampler for FarthestPoint {
         check_ranges(self)?;
         let ground = Ground::new(surface)?;
         ground.check(self.count)?;
+        let chosen = self.spread(surface, &ground);
+        if chosen.len() < self.count { Err(too_few(self.count, chosen.len())) } else { Ok(chosen) }
+    }
+
+    fn sample_available(&self, surface: &Surface) -> Result<AvailablePoints> {
+        check_ranges(self)?;
+        Ok(AvailablePoints { points: self.spread(surface, &Ground::new(surface)?), asked: self.count })
+    }
+}
+
+impl FarthestPoint {
+    /// `count` vertices, or fewer if no more lie at different places.
+    fn spread(&self, surface: &Surface, ground: &Ground) -> Vec<SurfacePoint> {
         let paths = match self.metric {
             Metric::Geodesic => Some(EdgePaths::new(&surface.positions, &surface.triangles, &[])),
             Metric::Euclidean => None,
@@ -71,7 +84,7 @@ impl Sampler for FarthestPoint {
                 without -= 1;
             }
             if chosen.len() == self.count {
-                return Ok(chosen.into_iter().map(SurfacePoint::Vertex).collect());
+                break;
             }
             let from = surface.positions[last as usize];
             straight.iter_mut().zip(&surface.positions).for_each(|(d, p)| *d = d.min((p - from).norm()));
@@ -91,8 +104,9 @@ impl Sampler for FarthestPoint {
             // A component may coincide with another; a vertex of one that has a point must lie elsewhere.
             match farthest.filter(|&v| without > 0 || distance(v) > 0.0) {
                 Some(v) => chosen.push(v),
-                None => return Err(too_few(self.count, chosen.len())),
+                None => break,
             }
         }
+        chosen.into_iter().map(SurfacePoint::Vertex).collect()
     }
 }

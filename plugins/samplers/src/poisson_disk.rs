@@ -14,7 +14,7 @@ use mimesh_core::{
     plugin::check_ranges,
     random::Random,
     register,
-    stage::Sampler,
+    stage::{AvailablePoints, Sampler},
 };
 use nalgebra::Point3;
 use schemars::JsonSchema;
@@ -62,6 +62,14 @@ impl Sampler for PoissonDisk {
         let radius = (area / (2.0 * 3f64.sqrt() * self.count as f64)).sqrt();
         let kept = eliminate(&places, &components, keep_components, radius, self.count);
         Ok(kept.into_iter().map(|k| candidates[k]).collect())
+    }
+
+    fn sample_available(&self, surface: &Surface) -> Result<AvailablePoints> {
+        check_ranges(self)?;
+        // Within triangles there are places without end.
+        let places = if self.at_vertices { Ground::new(surface)?.vertices.len() } else { self.count };
+        let points = Self { count: self.count.min(places), ..self.clone() }.sample(surface)?;
+        Ok(AvailablePoints { points, asked: self.count })
     }
 }
 

@@ -117,6 +117,11 @@ fn as_many_points_as_vertices_are_all_vertices() {
         let error = refusal(&format!(r#"{{ "type": "{name}", "count": 43 }}"#), &sphere);
         let expected = "43 points were asked for, and the surface has only 42 vertices at different places";
         assert_eq!(error, expected, "{name}");
+        let offered = stage(&format!(r#"{{ "type": "{name}", "count": 43 }}"#)).sample_available(&sphere).unwrap();
+        assert_eq!((offered.points.len(), offered.asked), (42, 43), "{name}");
+        let few = stage(&format!(r#"{{ "type": "{name}", "count": 9 }}"#));
+        let offered = few.sample_available(&sphere).unwrap();
+        assert_eq!((offered.points, offered.asked), (few.sample(&sphere).unwrap(), 9), "{name}");
     }
 }
 

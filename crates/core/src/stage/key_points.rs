@@ -12,7 +12,7 @@ use crate::{
 /// # Contract
 ///
 /// - points exist on the surface and no two are the same;
-/// - the error of a step never rises as points are added or exchanged;
+/// - the error of a step never rises as points are exchanged; a point added may raise it;
 /// - equal inputs give equal points, on one thread or many.
 #[typetag::serde(tag = "type")]
 pub trait KeyPoints: Debug + Send + Sync {

@@ -32,7 +32,7 @@ pub use key_points::{ChoiceStep, ChoiceWatch, Chosen, KeyPoints, KeyPointsInput}
 pub use metric::{BoundMetric, Frame, Measured, Metric, MetricContext, MetricInput, Posed};
 pub use pair::{Marker, TransferPair};
 pub use proximity::{Link, Proximity, ProximityGraph};
-pub use sampler::Sampler;
+pub use sampler::{AvailablePoints, Sampler};
 pub use statistic::{Aggregate, Limits, Statistic};
 pub use transfer::{BindInput, BoundTransfer, Motion, Transfer, Transferred};
 pub use triangle_map::TriangleMap;

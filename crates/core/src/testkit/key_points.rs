@@ -69,7 +69,11 @@ fn check_laws(name: &str, chosen: &Chosen, vertices: usize) {
         assert!(!chosen.points[..k].contains(point), "{name}: {point:?} is chosen twice");
     }
     for pair in chosen.steps.windows(2) {
-        assert!(pair[1].error <= pair[0].error, "{name}: the error rises: {} to {}", pair[0].error, pair[1].error);
+        let [before, after] = [&pair[0], &pair[1]];
+        let rises = after.exchanged && after.error > before.error;
+        assert!(!rises, "{name}: an exchange raises the error: {} to {}", before.error, after.error);
+        let expected = before.points.len() + usize::from(!after.exchanged);
+        assert_eq!(after.points.len(), expected, "{name}: points after a step");
     }
     // What looks at no pose has no steps to report.
     if let Some(last) = chosen.steps.last() {
