@@ -9,7 +9,7 @@ use mimesh::core::{
     plugin::instance,
     spatial::Similarity,
     stage::{BindInput, Marker, Transfer, TransferPair},
-    testkit::{meshes, random::Random},
+    testkit::{data::data, meshes, random::Random},
 };
 use nalgebra::{Point3, Rotation3, Vector3};
 
@@ -196,6 +196,67 @@ fn an_interrupted_search_is_written_and_resumed_to_the_same_end() {
     let output = project.mimesh(&[&search[..], &["--force"]].concat());
     assert_eq!(output.status, 0, "{}", output.stderr);
     assert_eq!(resumed, project.read("k.markers.yaml"), "as without interruption");
+}
+
+/// The JSON of `mimesh keypoints p.yaml` with these settings of `key_points`.
+fn chosen(project: &Project, settings: &[&str]) -> serde_json::Value {
+    let sets = settings.iter().flat_map(|setting| ["--set".to_owned(), format!("key_points.{setting}")]);
+    let args: Vec<String> =
+        ["keypoints", "p.yaml", "--force", "--json"].map(String::from).into_iter().chain(sets).collect();
+    let output = project.mimesh(&args.iter().map(String::as_str).collect::<Vec<_>>());
+    assert_eq!(output.status, 0, "{}", output.stderr);
+    output.json()
+}
+
+#[test]
+fn a_small_source_gives_the_candidates_that_it_has() {
+    let project = project();
+    let chosen = chosen(&project, &["sampler.count=100", "max_count=20"]);
+    assert_eq!(chosen["points"].as_array().map(Vec::len), Some(8), "{chosen}");
+    let warning = "the source offers only 8 of the 100 candidates that the sampler is to find, so these were used";
+    assert_eq!(chosen["figures"]["warnings"][0], warning, "{chosen}");
+}
+
+#[test]
+fn the_fast_search_comes_as_close_to_the_poses_as_the_exhaustive_one() {
+    let project = Project::new();
+    project.write(
+        "p.yaml",
+        "source: { generator: { type: quadruped, resolution: 20, frames: 3 } }\n\
+         key_points: { type: greedy, threshold: 0, max_count: 8, sampler: { type: farthest_point, count: 24 } }\n\
+         targets: { a: {}, b: {} }\n",
+    );
+    let error = |seed: u32, exhaustive: bool| {
+        let settings = [format!("sampler.seed={seed}"), format!("exhaustive={exhaustive}")];
+        let chosen = chosen(&project, &settings.each_ref().map(String::as_str));
+        chosen["figures"]["error"].as_f64().expect("an error")
+    };
+    let ratios: Vec<f64> = (0..3).map(|seed| error(seed, false) / error(seed, true)).collect();
+    // Either search ends where no exchange that it judges helps, and which such end it meets is luck: hence the mean.
+    let mean = ratios.iter().sum::<f64>() / ratios.len() as f64;
+    assert!(mean < 1.02, "{ratios:?}");
+}
+
+#[test]
+fn a_step_without_help_from_the_short_list_does_not_end_the_search() {
+    let Some(body) = data("bodies-2k/source") else { return };
+    let project = Project::new();
+    let [rest, twist] = ["rest.obj", "twist.obj"].map(|name| body.join(name).display().to_string());
+    project.write(
+        "p.yaml",
+        &format!(
+            "source: {{ rest: {rest}, poses: {twist} }}\ntarget: {{ rest: {rest} }}\ntransfer: {{ type: biharmonic }}\n\
+             key_points: {{ type: greedy, threshold: 0, max_count: 7, max_rounds: 0, sampler: {{ type: farthest_point, count: 60 }} }}\n\
+             output: out/{{pose}}.obj\n"
+        ),
+    );
+    let chosen = chosen(&project, &[]);
+    let errors: Vec<f64> =
+        chosen["steps"].as_array().expect("steps").iter().filter_map(|s| s["error"].as_f64()).collect();
+    assert_eq!(errors.len(), 7, "{chosen}");
+    // The fifth point is found outside the short list, and lowers the error.
+    assert!(errors[4] < errors[3], "{errors:?}");
+    assert_eq!(chosen["figures"]["ended_by"], "max_count", "{chosen}");
 }
 
 #[test]

@@ -36,8 +36,9 @@ impl KeyPoints for Given {
         check_ranges(self)?;
         candidates::check_poses(input)?;
         candidates::check(input.source, input.start)?;
-        let sampled = nested("sampler", &self.sampler, "farthest_point")?.sample(input.source)?;
         let mut figures = Figures::default();
+        let sampler = nested("sampler", &self.sampler, "farthest_point")?;
+        let sampled = candidates::sample(sampler, input.source, &mut figures)?;
         figures.set("candidates", sampled.len());
         // Points to start from are kept, the others follow.
         let (all, started) = candidates::with_start(input.source, sampled, input.start);

@@ -2,12 +2,22 @@
 //!
 //! Yang et al. 2018, section 3.5 and algorithm 1. With D_S(A) the source deformed by handles S to come closest to the pose
 //! A′, the first stage adds to S the candidate of least error (eq. 22) until that falls below a threshold; the second
-//! exchanges single points while one exchange lowers it (eq. 23).
+//! exchanges single points while one exchange lowers it (eq. 23). `exhaustive: true` judges all candidates at every step, as
+//! the paper does.
 //!
-//! Departures: the error is the mean over poses and vertices of ‖D_S(A) − A′‖, the source at rest being scaled into the unit
-//! sphere, since the paper's Frobenius norm over the number of vertices shrinks with finer meshes (`error: frobenius` for the
-//! paper's). The search is fast by default: all candidates are ranked by weights that cost little, unbounded biharmonic
-//! ones, and only a short list is judged by the weights themselves (`exhaustive: true` for the paper, which judges all).
+//! By default the search is fast. All candidates are ranked by weights that cost little, unbounded biharmonic ones, and only a
+//! short list is judged by the weights themselves. Where a point is added and none of the list lowers the error, more are
+//! judged in the order of their ranks, until one does or all are judged. Where a point is exchanged, those are judged that rank
+//! about as well as the set there is; once none of these helps, so are the best ranked of the others, two a point.
+//!
+//! The best candidate is added even where it raises the error, as in the paper, for a later one may make up for it. Where
+//! the limit of points or the last candidate ends the first stage, the best of its sets is kept. (Where the threshold ends it,
+//! the last set is the best.)
+//!
+//! Departures, of either search: the number of points has limits, which the paper leaves to the threshold. The error is the
+//! mean over poses and vertices of ‖D_S(A) − A′‖, the source at rest being scaled into the unit sphere, since the paper's
+//! Frobenius norm over the number of vertices shrinks with finer meshes (`error: frobenius` for the paper's). An exchange
+//! leaves no component without a handle, and the points on no line.
 
 use mimesh_core::{
     Error, Figures, Result,
@@ -21,8 +31,11 @@ use serde::{Deserialize, Serialize};
 
 pub use crate::measure::Measure;
 use crate::{
-    candidates,
-    search::{Evaluator, Search, unit_radius},
+    candidates::{self, HandleRules, MIN_POINTS},
+    evaluator::{Evaluator, unit_radius},
+    judge::Judge,
+    report::report,
+    search::{Limits, Search},
 };
 
 register!(KeyPoints: Greedy);
@@ -31,10 +44,14 @@ register!(KeyPoints: Greedy);
 #[derive(Debug, Deserialize, JsonSchema, Serialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Greedy {
-    /// Ends the first stage once the error is below this: the mean distance to the poses, the source scaled into the unit
-    /// sphere.
+    /// Ends the first stage once the error is at most this: the mean distance to the poses, the source scaled into the unit
+    /// sphere. The paper has 0.03.
     #[schemars(range(min = 0.0))]
     pub threshold: f64,
+    /// Fewest key points, even if fewer reach the threshold; `max_count` counts if it is less. Transfers need 3, so that many
+    /// are chosen in any case.
+    #[schemars(range(min = 1))]
+    pub min_count: usize,
     /// Most key points.
     #[schemars(range(min = 1))]
     pub max_count: usize,
@@ -42,7 +59,7 @@ pub struct Greedy {
     pub error: Measure,
     /// Judges every candidate by the weights themselves at every step, as in the paper; takes hours on large meshes.
     pub exhaustive: bool,
-    /// How many of the best ranked candidates are judged by the weights themselves, if not all.
+    /// How many of the best ranked candidates are judged by the weights themselves at first; more are if none of them helps.
     #[schemars(range(min = 1))]
     pub shortlist: usize,
     /// Most rounds of exchanges; 0 leaves out the second stage.
@@ -67,7 +84,8 @@ pub struct Greedy {
 impl Default for Greedy {
     fn default() -> Self {
         Self {
-            threshold: 0.03,
+            threshold: 0.005,
+            min_count: 8,
             max_count: 20,
             error: Measure::Mean,
             exhaustive: false,
@@ -96,7 +114,8 @@ impl KeyPoints for Greedy {
         let clusterer = nested("clusterer", &self.clusterer, "rotation_kmeans")?;
         let deformer = nested("deformer", &self.deformer, "arap_skinning")?;
 
-        let sampled = sampler.sample(source)?;
+        let mut figures = Figures::default();
+        let sampled = candidates::sample(sampler, source, &mut figures)?;
         let (points, started) = candidates::with_start(source, sampled, start);
         if started.is_empty() && self.first >= points.len() {
             return Err(Error::Setting {
@@ -112,7 +131,7 @@ impl KeyPoints for Greedy {
             Some(proximity) if source.components().count() > 1 => Some(proximity.proximity(source)?),
             _ => None,
         };
-        let judge = |weights: &dyn Weights| -> Result<Evaluator<'_>> {
+        let evaluator = |weights: &dyn Weights| -> Result<Evaluator<'_>> {
             Ok(Evaluator {
                 weights: weights.bind(source, &points, links.as_ref())?,
                 regions: regions.as_ref(),
@@ -122,33 +141,35 @@ impl KeyPoints for Greedy {
                 unit: unit_radius(&source.positions),
             })
         };
-        let exact = judge(weights)?;
+        let exact = evaluator(weights)?;
         let ranking = match &self.ranking {
-            Some(ranking) if !self.exhaustive => Some(judge(ranking.as_ref())?),
+            Some(ranking) if !self.exhaustive => Some(evaluator(ranking.as_ref())?),
             _ => None,
         };
         // A component without a handle or a link cannot be moved, so that each has one from the beginning.
         let first = if links.is_some() { first } else { candidates::cover_components(source, &points, first) };
-        let mut search = Search::new(&points, &exact, ranking.as_ref(), self.shortlist, watch);
-        search.begin(first)?;
-        search.add(self.threshold, self.max_count)?;
-        let rounds = search.exchange(self.max_rounds)?;
-
-        let mut figures = Figures::default();
+        let rules = HandleRules::new(source, &points, links.is_some());
+        let judge = Judge::new(&exact, ranking.as_ref(), self.shortlist, watch);
+        let limits = self.limits(&mut figures);
+        let mut search = Search::begin(&points, &rules, judge, watch, first)?;
+        let added = search.add(limits)?;
+        let exchanged = search.exchange(self.max_rounds);
         figures.set("candidates", points.len());
-        figures.set("error", search.error);
-        figures.set("rounds_of_exchanges", rounds);
-        figures.set("judged", search.judged);
-        figures.set("ranked", search.ranked);
-        if search.error > self.threshold && !watch.is_interrupted() {
-            figures.warn(format!(
-                "{} key points leave an error of {:.4}, above the threshold of {}; allow more with `max_count`",
-                search.chosen.len(),
-                search.error,
-                self.threshold
-            ));
-        }
+        report(&mut figures, &search, &rules, limits, (&added, &exchanged));
         let chosen = search.chosen.iter().map(|&k| points[k]).collect();
         Ok(Chosen { points: chosen, steps: search.steps, figures })
+    }
+}
+
+impl Greedy {
+    fn limits(&self, figures: &mut Figures) -> Limits {
+        if self.max_count < MIN_POINTS {
+            figures.warn(format!(
+                "`max_count: {}` allows fewer points than the {MIN_POINTS} that transfers need, so {MIN_POINTS} were allowed",
+                self.max_count
+            ));
+        }
+        let max_count = self.max_count.max(MIN_POINTS);
+        Limits { threshold: self.threshold, min_count: self.min_count.clamp(MIN_POINTS, max_count), max_count }
     }
 }

@@ -3,159 +3,191 @@
 use mimesh_core::{
     Error, Result,
     mesh::SurfacePoint,
-    stage::{BoundClusterer, BoundDeformer, BoundWeights, ChoiceStep, ChoiceWatch},
+    stage::{ChoiceStep, ChoiceWatch},
 };
-use nalgebra::Point3;
-use rayon::prelude::*;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
-use crate::measure::Measure;
+use crate::{
+    candidates::{HandleRules, MIN_POINTS},
+    judge::{Judge, ROUNDING, Trial},
+};
 
-/// An exchange counts if it lowers the error by more than this part: less is rounding, and could go round in circles.
+/// An error is less if it is so by more than this part: the rest is rounding, and exchanges could go round in circles.
 const MIN_GAIN: f64 = 1e-9;
 
-/// An exchange that ranks worse than what is there by more than this part is not worth the cost of judging it.
-const RANKING_SLACK: f64 = 0.02;
+/// How many exchanges a point, of those left out of the rounds, are judged before the second stage ends.
+const LEFT_OUT_PER_POINT: usize = 2;
 
-/// Half the longest way across the bounding box's centre: the radius that scales the source into the unit sphere.
-pub fn unit_radius(positions: &[Point3<f64>]) -> f64 {
-    let mut low = positions[0];
-    let mut high = positions[0];
-    for p in positions {
-        low = low.inf(p);
-        high = high.sup(p);
-    }
-    let centre = nalgebra::center(&low, &high);
-    let radius = positions.iter().map(|p| (p - centre).norm()).fold(0.0, f64::max);
-    if radius > 0.0 { radius } else { 1.0 }
+/// When the first stage ends.
+#[derive(Clone, Copy, Debug)]
+pub struct Limits {
+    pub threshold: f64,
+    pub min_count: usize,
+    pub max_count: usize,
 }
 
-/// Tells how far the poses are missed with a set of candidates as handles.
-pub struct Evaluator<'a> {
-    pub weights: Box<dyn BoundWeights>,
-    pub regions: &'a dyn BoundClusterer,
-    pub deformer: &'a dyn BoundDeformer,
-    pub poses: &'a [Vec<Point3<f64>>],
-    pub measure: Measure,
-    pub unit: f64,
+/// Why the first stage ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ending {
+    /// The error is at most the threshold.
+    Threshold,
+    /// There are as many points as are allowed.
+    MaxCount,
+    /// Every candidate is chosen.
+    Candidates,
+    /// No other candidate can be judged.
+    NotJudged,
+    /// The user asked for it.
+    Interrupted,
 }
 
-impl Evaluator<'_> {
-    pub fn error(&self, handles: &[usize]) -> Result<f64> {
-        let weights = self.weights.solve(handles)?;
-        let regions = self.regions.cluster(&weights.matrix)?;
-        let skin = self.deformer.skin(&weights, &regions)?;
-        let mut total = 0.0;
-        for pose in self.poses {
-            let fit = skin.fit(pose)?;
-            let distances = fit.positions.iter().zip(pose).map(|(q, p)| (q - p).norm());
-            let count = pose.len() as f64;
-            total += match self.measure {
-                Measure::Mean => distances.sum::<f64>() / count,
-                Measure::Frobenius => distances.map(|d| d * d).sum::<f64>().sqrt() / count,
-            };
-        }
-        let error = total / self.poses.len() as f64 / self.unit;
-        if error.is_finite() {
-            Ok(error)
-        } else {
-            Err(Error::data("the poses give no finite error", "look for vertices that are not finite in the poses"))
-        }
-    }
+/// What the first stage did.
+pub struct Added {
+    pub ending: Ending,
+    /// How many points there were before the best of these sets was kept.
+    pub tried: usize,
+}
+
+/// What the second stage did.
+pub struct Exchanged {
+    /// Rounds that lowered the error.
+    pub rounds: usize,
+    /// Whether the limit of rounds ended it, though the last round helped.
+    pub is_cut_short: bool,
 }
 
 /// A search on its way.
 pub struct Search<'a> {
     points: &'a [SurfacePoint],
-    exact: &'a Evaluator<'a>,
-    ranking: Option<&'a Evaluator<'a>>,
-    shortlist: usize,
+    rules: &'a HandleRules,
     watch: &'a dyn ChoiceWatch,
+    pub judge: Judge<'a>,
     /// The chosen candidates.
     pub chosen: Vec<usize>,
     /// Their error.
     pub error: f64,
     /// Every step that was kept.
     pub steps: Vec<ChoiceStep>,
-    /// How many sets were judged.
-    pub judged: usize,
-    /// How many sets were ranked.
-    pub ranked: usize,
 }
 
 impl<'a> Search<'a> {
-    pub fn new(
+    /// Begins with the candidates `first`.
+    pub fn begin(
         points: &'a [SurfacePoint],
-        exact: &'a Evaluator<'a>,
-        ranking: Option<&'a Evaluator<'a>>,
-        shortlist: usize,
+        rules: &'a HandleRules,
+        mut judge: Judge<'a>,
         watch: &'a dyn ChoiceWatch,
-    ) -> Self {
-        let (chosen, steps) = (vec![], vec![]);
-        Self { points, exact, ranking, shortlist, watch, chosen, error: f64::INFINITY, steps, judged: 0, ranked: 0 }
+        first: Vec<usize>,
+    ) -> Result<Self> {
+        let error = judge.error(&first)?;
+        let mut search = Self { points, rules, watch, judge, chosen: vec![], error, steps: vec![] };
+        search.take(first, error, false);
+        Ok(search)
     }
 
-    /// Begins with these candidates.
-    pub fn begin(&mut self, first: Vec<usize>) -> Result<()> {
-        let error = self.exact.error(&first)?;
-        self.judged += 1;
-        self.take(first, error, false);
-        Ok(())
-    }
-
-    /// The first stage: adds candidates until the error is below `threshold` or there are `count`.
-    pub fn add(&mut self, threshold: f64, count: usize) -> Result<()> {
-        while self.error > threshold && self.chosen.len() < count.min(self.points.len()) && !self.watch.is_interrupted()
-        {
-            let sets: Vec<Vec<usize>> = self.others().map(|k| [&self.chosen[..], &[k]].concat()).collect();
-            let Some((set, error)) = self.best(sets, f64::INFINITY)? else { break };
-            // A point more can do harm to maps found with regions; the paper adds it all the same. Here it ends the stage.
-            if error >= self.error {
-                break;
+    /// The first stage: adds the best candidate, again and again, and keeps the best of the sets on the way.
+    ///
+    /// A point may raise the error where no other does better (algorithm 1, line 14), and a later one make up for it. Such sets
+    /// wait until then, and are dropped if none does. Sets of too few points are kept in any case.
+    pub fn add(&mut self, limits: Limits) -> Result<Added> {
+        let (mut set, mut error) = (self.chosen.clone(), self.error);
+        let mut waiting: Vec<(Vec<usize>, f64)> = Vec::new();
+        let ending = loop {
+            if self.watch.is_interrupted() {
+                break Ending::Interrupted;
             }
-            self.take(set, error, false);
-        }
-        Ok(())
+            if error <= limits.threshold.max(ROUNDING) && self.is_enough(&set, limits) {
+                break Ending::Threshold;
+            }
+            if set.len() >= limits.max_count {
+                break Ending::MaxCount;
+            }
+            let trials = self.additions(&set);
+            if trials.is_empty() {
+                break Ending::Candidates;
+            }
+            let Some((trial, of_trial)) = self.judge.best_addition(trials, error) else {
+                if self.watch.is_interrupted() {
+                    break Ending::Interrupted;
+                }
+                if set.len() >= MIN_POINTS {
+                    break Ending::NotJudged;
+                }
+                return Err(self.no_addition(set.len()));
+            };
+            (set, error) = (trial.handles, of_trial);
+            let is_kept = !self.is_enough(&self.chosen, limits) || self.is_less(error);
+            waiting.push((set.clone(), error));
+            if is_kept {
+                waiting.drain(..).for_each(|(set, error)| self.take(set, error, false));
+            }
+        };
+        Ok(Added { ending, tried: set.len() })
     }
 
-    /// The second stage: exchanges single points until no exchange helps; returns the number of rounds.
-    pub fn exchange(&mut self, max_rounds: usize) -> Result<usize> {
+    /// The second stage: exchanges single points until no exchange helps.
+    pub fn exchange(&mut self, max_rounds: usize) -> Exchanged {
         for round in 0..max_rounds {
             let before = self.error;
             // The set as it is gives the measure of what ranks well enough to be judged.
-            let mut worst = self.worst_to_judge();
+            let mut worst = self.judge.worst_to_judge(&self.chosen);
             for place in 0..self.chosen.len() {
                 if self.watch.is_interrupted() {
-                    return Ok(round);
+                    return Exchanged { rounds: round, is_cut_short: false };
                 }
-                let with = |k: usize| {
-                    let mut set = self.chosen.clone();
-                    set[place] = k;
-                    set
-                };
-                let sets: Vec<Vec<usize>> = self.others().map(with).collect();
-                if let Some((set, error)) = self.best(sets, worst)?
-                    && error < self.error * (1.0 - MIN_GAIN)
+                let trials = self.exchanges(place);
+                if let Some((trial, error)) = self.judge.best_exchange(trials, worst)
+                    && self.is_less(error)
                 {
-                    self.take(set, error, true);
-                    worst = self.worst_to_judge();
+                    self.take(trial.handles, error, true);
+                    worst = self.judge.worst_to_judge(&self.chosen);
                 }
             }
             if self.error >= before {
-                return Ok(round);
+                self.exchange_any();
+            }
+            if self.error >= before {
+                return Exchanged { rounds: round, is_cut_short: false };
             }
         }
-        Ok(max_rounds)
+        Exchanged { rounds: max_rounds, is_cut_short: max_rounds > 0 }
     }
 
-    /// The error by ranking up to which an exchange is judged.
-    fn worst_to_judge(&self) -> f64 {
-        let of_now = self.ranking.and_then(|ranking| ranking.error(&self.chosen).ok());
-        of_now.map_or(f64::INFINITY, |error| error * (1.0 + RANKING_SLACK))
+    /// Makes an exchange that ranks too badly for the rounds, if one of the best ranked helps.
+    fn exchange_any(&mut self) {
+        let trials: Vec<Trial> = (0..self.chosen.len()).flat_map(|place| self.exchanges(place)).collect();
+        let count = LEFT_OUT_PER_POINT * self.chosen.len();
+        if !self.watch.is_interrupted()
+            && self.error > ROUNDING
+            && let Some((trial, error)) = self.judge.best_left_out(trials, count, self.error)
+            && self.is_less(error)
+        {
+            self.take(trial.handles, error, true);
+        }
     }
 
-    fn others(&self) -> impl Iterator<Item = usize> {
-        (0..self.points.len()).filter(|k| !self.chosen.contains(k))
+    fn is_enough(&self, set: &[usize], limits: Limits) -> bool {
+        set.len() >= limits.min_count && self.rules.span_enough(set)
+    }
+
+    fn is_less(&self, error: f64) -> bool {
+        self.error > ROUNDING && error < self.error * (1.0 - MIN_GAIN)
+    }
+
+    /// The set with each other candidate.
+    fn additions(&self, set: &[usize]) -> Vec<Trial> {
+        let with = |candidate: usize| Trial { candidate, handles: [set, &[candidate]].concat() };
+        (0..self.points.len()).filter(|k| !set.contains(k)).map(with).collect()
+    }
+
+    /// The chosen set with each other candidate at `place`, as far as it can serve.
+    fn exchanges(&self, place: usize) -> Vec<Trial> {
+        let with = |candidate: usize| {
+            let mut handles = self.chosen.clone();
+            handles[place] = candidate;
+            Trial { candidate, handles }
+        };
+        let others = (0..self.points.len()).filter(|k| !self.chosen.contains(k));
+        others.map(with).filter(|trial| self.rules.can_replace(&self.chosen, &trial.handles)).collect()
     }
 
     fn take(&mut self, set: Vec<usize>, error: f64, exchanged: bool) {
@@ -167,41 +199,17 @@ impl<'a> Search<'a> {
         self.steps.push(step);
     }
 
-    /// The set of least error, and its error; `None` if none can be judged, as when a component is left without a handle, or
-    /// none ranks better than `worst`.
-    fn best(&mut self, sets: Vec<Vec<usize>>, worst: f64) -> Result<Option<(Vec<usize>, f64)>> {
-        let mut short: Vec<Vec<usize>> = match self.ranking {
-            None => sets,
-            Some(ranking) => {
-                self.ranked += sets.len();
-                let mut ranked = self.errors(ranking, &sets);
-                ranked.retain(|(_, error)| *error <= worst);
-                ranked.sort_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
-                ranked.truncate(self.shortlist);
-                ranked.into_iter().map(|(i, _)| sets[i].clone()).collect()
-            }
+    /// The error of a choice that ends with too few points, since no candidate can be judged.
+    fn no_addition(&mut self, count: usize) -> Error {
+        let Some((candidate, failure)) = self.judge.not_judged.pop_first() else {
+            return Error::data("no candidate can be judged", "look at the weights and the deformer of `key_points`");
         };
-        self.judged += short.len();
-        let errors = self.errors(self.exact, &short);
-        // An interrupted step has seen some of the sets only, whose best may be another than that of all.
-        if self.watch.is_interrupted() {
-            return Ok(None);
+        let named = |message: String| {
+            format!("no candidate can be added to {count} key points; {}: {message}", self.rules.name(candidate))
+        };
+        match failure.error {
+            Error::Data { message, hint } => Error::Data { message: named(message), hint },
+            other => Error::data(named(other.to_string()), "try another `sampler`, `weights` or `deformer`"),
         }
-        let best = errors.into_iter().min_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
-        Ok(best.map(|(i, error)| (short.swap_remove(i), error)))
-    }
-
-    /// The errors of the sets that can be judged, by their numbers.
-    fn errors(&self, judge: &Evaluator<'_>, sets: &[Vec<usize>]) -> Vec<(usize, f64)> {
-        let done = AtomicUsize::new(0);
-        let error = |(i, set): (usize, &Vec<usize>)| {
-            if self.watch.is_interrupted() {
-                return None;
-            }
-            let error = judge.error(set).ok();
-            self.watch.progress(done.fetch_add(1, Ordering::Relaxed) + 1, sets.len());
-            Some((i, error?))
-        };
-        sets.par_iter().enumerate().filter_map(error).collect()
     }
 }
