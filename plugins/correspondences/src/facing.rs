@@ -12,33 +12,27 @@ use rayon::prelude::*;
 /// Source triangles with a smaller relative height correspond to nothing.
 const MIN_RELATIVE_HEIGHT: f64 = 1e-4;
 
-/// Points nearer to the source than this lie on it, in diagonals of the target.
-const COINCIDENT: f64 = 1e-6;
-
 /// Searches the triangles of the source whose normals are less than 90 degrees from a given one.
 ///
 /// Triangles that face away, as on the far side of an ear, are skipped in the search, so that the closest valid point is
 /// found; Sumner and Popović 2004 ask for compatible normals too.
-///
-/// A point that lies on the source belongs there whichever way it faces. Decimation turns triangles over in tight corners such as
-/// those of a mouth, and what faces the same way there is the other lip.
 pub struct Facing {
     search: ClosestPoint,
     /// Normals of any length; `None` for needles, whose deformation would be noise.
     normals: Vec<Option<Vector3<f64>>>,
     /// How much nearer a point that faces away must be to be taken; `None` for never.
     inner_depth: Option<f64>,
-    /// The distance below which a point lies on the source.
+    /// Points nearer than this lie on the source.
     coincident: f64,
 }
 
 impl Facing {
-    /// Prepares to search `triangles` over `positions` for points of a target of that `diagonal`.
+    /// Prepares to search `triangles` over `positions`.
     ///
     /// # Errors
     ///
     /// [`Error::Data`](mimesh_core::Error::Data) if there is no triangle.
-    pub fn new(positions: &[Point3<f64>], triangles: &[[u32; 3]], diagonal: f64) -> Result<Self> {
+    pub fn new(positions: &[Point3<f64>], triangles: &[[u32; 3]]) -> Result<Self> {
         let normals = triangles
             .iter()
             .map(|t| {
@@ -47,12 +41,17 @@ impl Facing {
             })
             .collect();
         let search = ClosestPoint::new(positions, triangles)?;
-        Ok(Self { search, normals, inner_depth: None, coincident: COINCIDENT * diagonal })
+        Ok(Self { search, normals, inner_depth: None, coincident: 0.0 })
     }
 
     /// Lets a point take the closest point whichever way it faces, where that is nearer by more than `depth`.
     pub fn with_inner_sides(self, depth: f64) -> Self {
         Self { inner_depth: Some(depth), ..self }
+    }
+
+    /// Lets a point take the closest point whichever way it faces, where that is nearer than `coincident`.
+    pub fn with_coincident(self, coincident: f64) -> Self {
+        Self { coincident, ..self }
     }
 
     /// The closest valid point nearer than `limit`.

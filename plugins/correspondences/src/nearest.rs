@@ -16,7 +16,8 @@ register!(Correspondence: Nearest);
 
 /// Each target triangle moves like the source triangle closest to it at rest, among those that face the same way.
 ///
-/// It suits meshes that already lie on each other: another resolution of one shape, or clothes on a body.
+/// It suits meshes that already lie on each other: another resolution of one shape, or clothes on a body. A vertex that lies on the
+/// source, to 1e-6 of the diagonal, stays there whichever way it faces.
 #[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Nearest {
@@ -24,6 +25,11 @@ pub struct Nearest {
     #[schemars(range(min = 0.0))]
     pub max_distance: f64,
 }
+
+/// Points nearer to the source than this lie on it, in diagonals of the target.
+///
+/// Decimation turns triangles over in tight corners such as those of a mouth, and what faces the same way there is the other lip.
+const COINCIDENT: f64 = 1e-6;
 
 impl Default for Nearest {
     fn default() -> Self {
@@ -37,7 +43,7 @@ impl Correspondence for Nearest {
         check_ranges(self)?;
         let (source, target) = (pair.source, pair.target);
         let diagonal = target.diagonal();
-        let facing = Facing::new(&source.positions, &source.triangles, diagonal)?;
+        let facing = Facing::new(&source.positions, &source.triangles)?.with_coincident(COINCIDENT * diagonal);
         let limit = self.max_distance * diagonal;
         let normals = vertex_normals(&target.positions, &target.triangles);
         let mut points = facing.points(&target.positions, &normals, limit);

@@ -90,8 +90,8 @@ fn vertex_markers(pairs: impl IntoIterator<Item = [u32; 2]>) -> Vec<Marker> {
     pairs.into_iter().map(marker).collect()
 }
 
-/// The map of the legs with a plate onto the legs, and where on the source the plate's vertices lie.
-fn map_of_plate(gap: f64, x: f64, more: &[[u32; 2]]) -> (TriangleMap, Vec<Point3<f64>>) {
+/// The map of the legs with a plate onto the legs, where on the source the plate's vertices lie, and the partners of its triangles.
+fn map_of_plate(gap: f64, x: f64, more: &[[u32; 2]]) -> (TriangleMap, Vec<Point3<f64>>, Vec<Point3<f64>>) {
     let source = legs(gap);
     let (target, first) = legs_with_plate(gap, x);
     let graph = links(&target, first);
@@ -101,18 +101,15 @@ fn map_of_plate(gap: f64, x: f64, more: &[[u32; 2]]) -> (TriangleMap, Vec<Point3
     let map = NonrigidFit::default().correspond(pair).unwrap();
     let place = |point: &Option<SurfacePoint>| point.expect("a point").position(&source, &source.positions);
     let places = map.points[first as usize..].iter().map(place).collect();
-    for (t, partner) in target.triangles.iter().zip(&map.triangles).filter(|(t, _)| t[0] >= first) {
-        let partner = source.triangles[partner.expect("a partner") as usize];
-        let side = |v: u32| match map.points[v as usize].unwrap() {
-            SurfacePoint::Triangle(t, _) => source.triangles[t as usize],
-            SurfacePoint::Vertex(v) => [v; 3],
-        };
-        assert!(
-            t.iter().any(|&v| side(v) == partner) || more.iter().any(|pair| t.contains(&pair[1])),
-            "a triangle has the partner of one of its corners"
-        );
-    }
-    (map, places)
+    let partners = partners(&source, &map, &target, first);
+    (map, places, partners)
+}
+
+/// Barycentres of the partners of the plate's triangles.
+fn partners(source: &Surface, map: &TriangleMap, target: &Surface, first: u32) -> Vec<Point3<f64>> {
+    let barycentres = source.barycentres(&source.positions);
+    let plate = target.triangles.iter().zip(&map.triangles).filter(|(t, _)| t[0] >= first);
+    plate.map(|(_, partner)| barycentres[partner.expect("a partner") as usize]).collect()
 }
 
 fn warnings_about_sides(map: &TriangleMap) -> usize {
@@ -123,9 +120,10 @@ fn warnings_about_sides(map: &TriangleMap) -> usize {
 fn a_plate_between_two_legs_follows_one_of_them_and_a_near_tie_is_said() {
     let (_, first) = legs_with_plate(0.1, 0.0);
     for x in [-0.02, -0.01, 0.0, 0.01, 0.02] {
-        let (map, places) = map_of_plate(0.1, x, &[]);
+        let (map, places, partners) = map_of_plate(0.1, x, &[]);
         let left = places.iter().filter(|p| p.x < 0.0).count();
         assert!(left == 0 || left == places.len(), "at {x}: {left} of {} on the left", places.len());
+        assert!(partners.iter().all(|p| (p.x < 0.0) == (left > 0)), "at {x}: partners are on the same side");
         // Nearer to one leg by two fifths of the gap.
         assert!(x.abs() < 0.02 || (left > 0) == (x < 0.0), "at {x}: it follows the farther leg");
         if x == 0.0 {
@@ -147,7 +145,7 @@ fn a_marker_on_the_plate_decides() {
         (0..source.vertex_count() as u32).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap()
     };
     for sign in [-1.0, 1.0] {
-        let (map, places) = map_of_plate(0.1, 0.0, &[[across(sign), first]]);
+        let (map, places, _) = map_of_plate(0.1, 0.0, &[[across(sign), first]]);
         assert!(places.iter().all(|p| p.x * sign > 0.0), "{sign}: {places:?}");
         assert_eq!(warnings_about_sides(&map), 0, "{sign}: {:?}", map.figures);
     }
@@ -156,7 +154,7 @@ fn a_marker_on_the_plate_decides() {
 #[test]
 fn a_plate_on_one_leg_stays_as_it_is() {
     // Beside the legs, not between them.
-    let (map, places) = map_of_plate(0.1, 0.46, &[]);
+    let (map, places, _) = map_of_plate(0.1, 0.46, &[]);
     assert!(places.iter().all(|p| p.x > 0.0));
     assert_eq!(map.figures.number("components_moved_to_one_side"), None);
 }

@@ -16,8 +16,7 @@
 //!   because E_S does not grow with the number of triangles either: so weights mean the same at any resolution, and a finely
 //!   meshed face does not outweigh a leg;
 //! - the search for closest points skips triangles that face away, instead of dropping vertices whose nearest point does; inner
-//!   sides of the parts of a target of several components take the closest point whichever way it faces, and so does a vertex that
-//!   lies on the source;
+//!   sides of the parts of a target of several components take the closest point whichever way it faces;
 //! - a small component that has come to lie on two sides of the source, as a plate between the legs, moves to one (`patches`);
 //! - triangles without area have no gradient, and links between coplanar components hold no place: ties of two vertices stand in
 //!   (`ties`);
@@ -116,7 +115,7 @@ impl Correspondence for NonrigidFit {
         let pair = self.linked(pair);
         let (source, target) = (pair.source, pair.target);
         let unit = UnitFrame::new(pair, self.orientation);
-        let mut facing = Facing::new(&unit.source, &source.triangles, 1.0)?;
+        let mut facing = Facing::new(&unit.source, &source.triangles)?;
         if target.components().count() > 1 {
             facing = facing.with_inner_sides(self.inner_depth);
         }

@@ -23,7 +23,7 @@ use mimesh_core::{
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 
-use super::{Points, link_elements::spread_pairs, tears::Tears, unit_frame::UnitFrame};
+use super::{Points, tears::Tears, unit_frame::UnitFrame};
 use crate::facing::Facing;
 
 /// Larger components have parts of their own, which may lie in several places.
@@ -93,7 +93,6 @@ impl Settled<'_> {
             return Ok(vec![]);
         }
         let search = Search {
-            links: self.links(),
             points,
             tears: Tears::new(self.pair.source, &self.unit.source)?,
             normals: vertex_normals(self.fit, &self.pair.target.triangles),
@@ -102,18 +101,6 @@ impl Settled<'_> {
         };
         let place = |memory: &mut DistanceSearch, component| search.place(component, memory);
         Ok(components.into_par_iter().map_init(|| search.tears.search(), place).flatten().collect())
-    }
-
-    /// For each component the pairs of each of its links, its own vertex first.
-    fn links(&self) -> Vec<Vec<Vec<[u32; 2]>>> {
-        let Some(graph) = self.pair.proximity else { return vec![] };
-        let mut links = vec![Vec::new(); graph.components.count()];
-        for link in graph.links() {
-            let [a, b] = link.components.map(|c| c as usize);
-            links[a].push(spread_pairs(link).collect());
-            links[b].push(spread_pairs(link).map(|[v, w]| [w, v]).collect());
-        }
-        links
     }
 
     /// For each vertex of the target whether it has a marker.
@@ -130,8 +117,6 @@ struct Search<'a> {
     settled: &'a Settled<'a>,
     /// The points that vertices have.
     points: &'a [Option<SurfacePoint>],
-    /// As [`Settled::links`] gives them; empty without a proximity graph.
-    links: Vec<Vec<Vec<[u32; 2]>>>,
     tears: Tears<'a>,
     /// Of the vertices of the deformed target.
     normals: Vec<Vector3<f64>>,
@@ -146,21 +131,13 @@ impl Search<'_> {
         if self.torn_share(&component, &tears) < MIN_TORN {
             return None;
         }
-        let present_cost = self.cost(&component, &present, &tears) + self.link_cost(&component, &present, memory);
+        let present_cost = self.cost(&component, &present, &tears);
         let mut placements: Vec<Placement> = self
             .centres(&present)
             .into_iter()
             .filter_map(|centre| self.placement(&component, &present, centre, memory))
             .collect();
         placements.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-        if std::env::var("SHOW").is_ok() {
-            eprintln!(
-                "component {} present {} best {:?}",
-                component.number,
-                present_cost,
-                placements.first().map(|b| b.cost)
-            );
-        }
         let best = placements.first().filter(|best| best.cost < present_cost)?;
         let rivals = placements[1..].iter().take_while(|other| other.cost <= best.cost * (1.0 + TIE));
         self.tears.ball(&best.centre, self.radius(&component, &best.centre), memory);
@@ -200,22 +177,6 @@ impl Search<'_> {
             None => self.settled.max_distance / DISTANCE + TURNED,
         };
         tears.iter().sum::<f64>() + component.vertices.iter().zip(points).map(vertex).sum::<f64>()
-    }
-
-    /// Σ over links of the component of the mean tear of their pairs.
-    fn link_cost(&self, component: &Component, points: &Points, memory: &mut DistanceSearch) -> f64 {
-        let rest = &self.settled.unit.target;
-        let mut tear = |&[own, other]: &[u32; 2]| {
-            let (p, q) = (points[component.place_of(own)]?, self.points[other as usize]?);
-            let length = (rest[other as usize] - rest[own as usize]).norm();
-            Some(self.tears.of_edge(length, &p, &q, memory))
-        };
-        let mut cost = 0.0;
-        for pairs in self.links.get(component.number).into_iter().flatten() {
-            let tears: Vec<f64> = pairs.iter().filter_map(&mut tear).collect();
-            cost += tears.iter().sum::<f64>() / tears.len().max(1) as f64;
-        }
-        cost * std::env::var("VOTE").ok().and_then(|x| x.parse().ok()).unwrap_or(1.0)
     }
 
     fn vertex_cost(&self, v: u32, point: &SurfacePoint) -> f64 {
@@ -271,17 +232,7 @@ impl Search<'_> {
         };
         let points: Points = component.vertices.iter().zip(present).map(closest).collect::<Option<_>>()?;
         let tears = self.edge_tears(component, &points, memory);
-        let cost = self.cost(component, &points, &tears) + self.link_cost(component, &points, memory);
-        if std::env::var("SHOW").is_ok() {
-            eprintln!(
-                "component {} centre {:?} cost {} edges {} links {}",
-                component.number,
-                centre.position(self.settled.pair.source, &self.settled.unit.source),
-                cost,
-                tears.iter().sum::<f64>(),
-                self.link_cost(component, &points, memory)
-            );
-        }
+        let cost = self.cost(component, &points, &tears);
         Some(Placement { cost, points, centre })
     }
 }
