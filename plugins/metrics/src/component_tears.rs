@@ -96,7 +96,7 @@ mod tests {
             (0..source.vertex_count() as u32).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap()
         };
         let place = |v: u32| {
-            let z = if v < 12 && v / 2 % 2 == 0 { 0.02 } else { 0.0 };
+            let z = if v < 12 && (v / 2).is_multiple_of(2) { 0.02 } else { 0.0 };
             SurfacePoint::Vertex(nearest(&target.positions[v as usize], z))
         };
         let at = |place: &SurfacePoint| place.position(&source, &source.positions);
