@@ -7,8 +7,8 @@
 //!
 //! By default the search is fast. All candidates are ranked by weights that cost little, unbounded biharmonic ones, and only a
 //! short list is judged by the weights themselves. Where a point is added and none of the list lowers the error, more are
-//! judged in the order of their ranks, until one does or all are judged. Where a point is exchanged, those are judged that rank
-//! about as well as the set there is; once none of these helps, so are the best ranked of the others, two a point.
+//! judged in the order of their ranks, until one does or all are judged. Where a point is exchanged, those
+//! are judged that rank about as well as the set there is.
 //!
 //! The best candidate is added even where it raises the error, as in the paper, for a later one may make up for it. Where
 //! the limit of points or the last candidate ends the first stage, the best of its sets is kept. (Where the threshold ends it,

@@ -75,16 +75,6 @@ impl<'a> Judge<'a> {
         self.best_until(&ranked, error)
     }
 
-    /// The best of at most `count` trials, the best ranked of those never judged, and its error; none without a ranking, which
-    /// judges all in the first place.
-    pub fn best_left_out(&mut self, trials: Vec<Trial>, count: usize, error: f64) -> Option<(Trial, f64)> {
-        self.ranking?;
-        let left_out = trials.into_iter().filter(|trial| !self.known.contains_key(&trial.handles)).collect();
-        let mut ranked = self.rank(left_out, f64::INFINITY);
-        ranked.truncate(count);
-        self.best_until(&ranked, error)
-    }
-
     /// Judges a short list, then twice as many, and so on, as long as none is below `error`; without a ranking all at once.
     fn best_until(&mut self, ranked: &[Trial], error: f64) -> Option<(Trial, f64)> {
         let mut count = if self.ranking.is_some() { self.shortlist } else { ranked.len() };

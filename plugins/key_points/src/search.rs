@@ -14,9 +14,6 @@ use crate::{
 /// An error is less if it is so by more than this part: the rest is rounding, and exchanges could go round in circles.
 const MIN_GAIN: f64 = 1e-9;
 
-/// How many exchanges a point, of those left out of the rounds, are judged before the second stage ends.
-const LEFT_OUT_PER_POINT: usize = 2;
-
 /// When the first stage ends.
 #[derive(Clone, Copy, Debug)]
 pub struct Limits {
@@ -143,26 +140,10 @@ impl<'a> Search<'a> {
                 }
             }
             if self.error >= before {
-                self.exchange_any();
-            }
-            if self.error >= before {
                 return Exchanged { rounds: round, is_cut_short: false };
             }
         }
         Exchanged { rounds: max_rounds, is_cut_short: max_rounds > 0 }
-    }
-
-    /// Makes an exchange that ranks too badly for the rounds, if one of the best ranked helps.
-    fn exchange_any(&mut self) {
-        let trials: Vec<Trial> = (0..self.chosen.len()).flat_map(|place| self.exchanges(place)).collect();
-        let count = LEFT_OUT_PER_POINT * self.chosen.len();
-        if !self.watch.is_interrupted()
-            && self.error > ROUNDING
-            && let Some((trial, error)) = self.judge.best_left_out(trials, count, self.error)
-            && self.is_less(error)
-        {
-            self.take(trial.handles, error, true);
-        }
     }
 
     fn is_enough(&self, set: &[usize], limits: Limits) -> bool {
