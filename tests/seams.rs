@@ -108,15 +108,15 @@ fn lips_of_another_target_open_where_the_pipeline_names_them() {
     let [before, nothing] = error(&closed, "open", "max");
     let [after, _] = error(&open, "open", "max");
     println!("largest error in percent: closed {before}, open {after}, doing nothing {nothing}");
-    assert!(after < 0.5 * before, "closed {before}, open {after}, doing nothing {nothing}");
+    assert!(after < 0.05 * nothing, "closed {before}, open {after}, doing nothing {nothing}");
 }
 
 #[test]
 fn a_seam_that_does_not_exist_is_reported_at_its_place() {
-    let project = mouths(16, ", opened_seams: [3, [144, 153]]", "correspondence: { type: identity }\n");
+    let project = mouths(16, ", opened_seams: [3, [144, 161]]", "correspondence: { type: identity }\n");
     let output = project.mimesh(&["check", "p.yaml"]);
     assert_eq!(output.status, 78, "{}", output.stderr);
-    assert!(output.stderr.contains("p.yaml:2:47: no seam of the target is welded at vertex 3"), "{}", output.stderr);
+    assert!(output.stderr.contains("p.yaml:2:44: no seam of the target is welded at vertex 3"), "{}", output.stderr);
     assert!(!output.stderr.contains("144"), "the two lie at one place: {}", output.stderr);
 }
 

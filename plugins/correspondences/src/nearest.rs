@@ -47,7 +47,7 @@ impl Correspondence for Nearest {
         let limit = self.max_distance * diagonal;
         let normals = vertex_normals(&target.positions, &target.triangles);
         let mut points = facing.points(&target.positions, &normals, limit);
-        keep_sides(pair, &source.positions, &target.positions, &facing, limit, &mut points);
+        keep_sides(pair, &target.positions, &facing, limit, &mut points);
         let triangles = facing.triangles(&target.positions, &target.triangles, limit);
         let mut figures = Figures::default();
         figures.set("vertices_with_a_point", points.iter().flatten().count());

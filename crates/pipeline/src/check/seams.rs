@@ -80,18 +80,19 @@ pub(super) fn open_parted(
         .cache
         .and_then(|cache| Some((cache, opened_seams_key(mesh, poses, scope.formats, by.hashes, cache.program())?)));
     let cached = key.as_ref().and_then(|(cache, key)| cache.get::<OpenedSeams>("opened_seams", key.key));
-    let opened = match cached {
-        Some(OpenedSeams(opened)) => Ok(opened),
-        None => parted(scope, mesh, poses),
+    let decided = match cached {
+        Some(decided) => Ok(decided),
+        None => parted(scope, mesh, poses).map(|opened| {
+            let decided = OpenedSeams(opened);
+            if let Some((cache, key)) = &key {
+                cache.put("opened_seams", key.key, &decided);
+            }
+            decided
+        }),
     };
-    let opened = opened.and_then(|opened| {
-        if let Some((cache, key)) = &key {
-            cache.put("opened_seams", key.key, &OpenedSeams(opened.clone()));
-        }
-        if opened.is_empty() { Ok(()) } else { mesh.open_seams(opened) }
-    });
-    if let Err(error) = opened {
-        refused(found, mesh, error);
+    match decided.and_then(|OpenedSeams(opened)| mesh.open_seams(opened)) {
+        Ok(()) => {}
+        Err(error) => refused(found, mesh, error),
     }
 }
 

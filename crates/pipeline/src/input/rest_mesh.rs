@@ -81,6 +81,9 @@ impl RestMesh {
     ///
     /// Those of [`Surface::welded`].
     pub fn open_seams(&mut self, opened: Vec<[u32; 2]>) -> Result<(), Error> {
+        if self.welding.opened == opened {
+            return Ok(());
+        }
         self.welding.opened = opened;
         (self.surface, self.inward_components) = outward_surface(&self.sequence.rest, &self.welding)?;
         if let Some((axis, image)) = &mut self.mirror_image {

@@ -175,7 +175,7 @@ impl NonrigidFit {
             fit = system.solve(&goals);
         }
         let mut points = found(&fit);
-        keep_sides(pair, &unit.source, &fit, facing, self.max_distance, &mut points);
+        keep_sides(pair, &fit, facing, self.max_distance, &mut points);
 
         let mut figures = Figures::default();
         let squares =
