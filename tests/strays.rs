@@ -103,7 +103,7 @@ fn points_far_off_the_faces_are_refused_whatever_strays_there_are() {
     let project = Project::new();
     write(&project, "{ type: gradient }", with_strays);
     // 39 units off, half a percent of the way to the strays.
-    project.write("target.csv", &project.read("target.csv").replace("p0,", "p0,39"));
+    project.write("target.csv", &project.read("target.csv").replace("p0,-0.", "p0,-39."));
     let output = project.mimesh(&["check", "p.yaml"]);
     assert_eq!(output.status, 65, "{}", output.stderr);
     assert!(output.stderr.contains("of the diagonal off the target: expected 5 % at most"), "{}", output.stderr);
