@@ -12,6 +12,7 @@ mod laplacian;
 mod mass;
 mod normals;
 mod polar;
+mod rotation;
 mod tetrahedron;
 
 pub use blend::linear_blend;
@@ -22,6 +23,7 @@ pub use laplacian::cotangent_laplacian;
 pub use mass::voronoi_mass;
 pub use normals::vertex_normals;
 pub use polar::{Polar, polar};
+pub use rotation::{Turn, logarithm, mean_gradient, mean_quaternion, nearer};
 pub use tetrahedron::Tetrahedron;
 
 #[cfg(test)]

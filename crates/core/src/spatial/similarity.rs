@@ -20,7 +20,8 @@ pub struct Similarity {
 #[serde(rename_all = "snake_case")]
 pub enum Orientation {
     /// As corresponding points say, rounded to quarter turns about the axes where that is within 30 degrees: two animals
-    /// that both stand upright keep their own way of standing, and a Y-up file still meets a Z-up file.
+    /// that both stand upright keep their own way of standing, and a Y-up file still meets a Z-up file. The rotation is not
+    /// rounded where that more than triples the mean squared distance of the points: one shape is then turned against the other.
     #[default]
     Auto,
     /// Not at all: both files have the same axes.
@@ -28,6 +29,51 @@ pub enum Orientation {
     /// As corresponding points say, exactly.
     Fitted,
 }
+
+/// The rotation that an [`Orientation`] led to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Oriented {
+    /// R.
+    pub rotation: Matrix3<f64>,
+    /// Which rotation R is.
+    pub taken: Taken,
+    /// Angle between the rotation of least squares and the nearest one that maps axes to axes, in degrees.
+    pub degrees_from_axes: f64,
+}
+
+/// Which rotation was taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Taken {
+    /// The identity, as asked for.
+    Same,
+    /// The nearest rotation that maps axes to axes.
+    Axes,
+    /// The rotation of least squares.
+    Fitted,
+}
+
+impl Taken {
+    /// The name in figures.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Same => "same",
+            Self::Axes => "axes",
+            Self::Fitted => "fitted",
+        }
+    }
+}
+
+/// Above this angle to the axes a rotation is never rounded, in degrees.
+const MAX_ROUNDED_DEGREES: f64 = 30.0;
+
+/// A rotation is rounded if that multiplies the mean squared distance of the points by at most this.
+///
+/// Pairs of other proportions or poses that stand alike have ratios of 1 to 2 (horse and camel, at 8 degrees: 1.7). A body
+/// that is turned by 10 degrees against another has 5 or more.
+const MAX_ROUNDED_RATIO: f64 = 3.0;
+
+/// Squared distances below this part of the spread are rounding of coordinates.
+const MIN_RELATIVE_MISFIT: f64 = 1e-12;
 
 impl Similarity {
     /// Nothing moves.
@@ -43,34 +89,31 @@ impl Similarity {
     /// swapping them gives the inverse. Points of one side that lie on a line, to 1e-3 of its length, leave the rotation the
     /// identity; points that coincide leave the scale 1.
     pub fn fit(from: &[Point3<f64>], to: &[Point3<f64>], weights: &[f64], orientation: Orientation) -> Self {
-        let total: f64 = weights.iter().sum();
-        if total <= 0.0 {
-            return Self::IDENTITY;
+        let Some(pairs) = Spread::new(from, to, weights) else { return Self::IDENTITY };
+        if pairs.coincide() {
+            return Self { translation: pairs.to_mean - pairs.from_mean, ..Self::IDENTITY };
         }
-        let mean = |points: &[Point3<f64>]| {
-            points.iter().zip(weights).map(|(p, w)| p.coords * *w).sum::<Vector3<f64>>() / total
-        };
-        let (from_mean, to_mean) = (mean(from), mean(to));
-        let mut covariance = Matrix3::zeros();
-        let (mut from_spread, mut to_spread) = (0.0, 0.0);
-        for ((p, q), w) in from.iter().zip(to).zip(weights) {
-            let (p, q) = (p.coords - from_mean, q.coords - to_mean);
-            covariance += q * p.transpose() * *w;
-            from_spread += w * p.norm_squared();
-            to_spread += w * q.norm_squared();
+        let oriented = pairs.orient(orientation);
+        pairs.similarity(oriented.map_or_else(Matrix3::identity, |oriented| oriented.rotation))
+    }
+
+    /// The similarity that takes points `from` to points `to`, with the rotation `rotation`.
+    pub fn with_rotation(from: &[Point3<f64>], to: &[Point3<f64>], weights: &[f64], rotation: Matrix3<f64>) -> Self {
+        match Spread::new(from, to, weights) {
+            Some(pairs) if !pairs.coincide() => pairs.similarity(rotation),
+            Some(pairs) => Self { translation: pairs.to_mean - pairs.from_mean, ..Self::IDENTITY },
+            None => Self::IDENTITY,
         }
-        // Points that coincide have a spread of rounding.
-        let coincide = |spread: f64, mean: &Vector3<f64>| spread <= total * (1e-12 * mean.norm()).powi(2);
-        if coincide(from_spread, &from_mean) || coincide(to_spread, &to_mean) {
-            return Self { translation: to_mean - from_mean, ..Self::IDENTITY };
-        }
-        let rotation = match orientation {
-            Orientation::Same => Matrix3::identity(),
-            Orientation::Fitted => best_rotation(&covariance),
-            Orientation::Auto => rounded(best_rotation(&covariance)),
-        };
-        let scale = (to_spread / from_spread).sqrt();
-        Self { scale, rotation, translation: to_mean - rotation * from_mean * scale }
+    }
+
+    /// The rotation that [`fit`](Self::fit) takes, and which it is; `None` if the points leave it open.
+    pub fn orient(
+        from: &[Point3<f64>],
+        to: &[Point3<f64>],
+        weights: &[f64],
+        orientation: Orientation,
+    ) -> Option<Oriented> {
+        Spread::new(from, to, weights).filter(|pairs| !pairs.coincide())?.orient(orientation)
     }
 
     /// s R p + t.
@@ -91,23 +134,103 @@ impl Similarity {
     }
 }
 
-/// The rotation R that maximises tr(Rᵀ C); the identity if C has rank 1 or less, which leaves it open.
-fn best_rotation(covariance: &Matrix3<f64>) -> Matrix3<f64> {
+/// Moments of weighted pairs of points.
+struct Spread {
+    from_mean: Vector3<f64>,
+    to_mean: Vector3<f64>,
+    /// C = Σ w (q − q̄) (p − p̄)ᵀ.
+    covariance: Matrix3<f64>,
+    from_spread: f64,
+    to_spread: f64,
+    total: f64,
+    /// The number of pairs of one weight that would say as much: (Σ w)² / Σ w².
+    count: f64,
+}
+
+impl Spread {
+    fn new(from: &[Point3<f64>], to: &[Point3<f64>], weights: &[f64]) -> Option<Self> {
+        let total: f64 = weights.iter().sum();
+        if total <= 0.0 {
+            return None;
+        }
+        let mean = |points: &[Point3<f64>]| {
+            points.iter().zip(weights).map(|(p, w)| p.coords * *w).sum::<Vector3<f64>>() / total
+        };
+        let (from_mean, to_mean) = (mean(from), mean(to));
+        let mut covariance = Matrix3::zeros();
+        let (mut from_spread, mut to_spread) = (0.0, 0.0);
+        for ((p, q), w) in from.iter().zip(to).zip(weights) {
+            let (p, q) = (p.coords - from_mean, q.coords - to_mean);
+            covariance += q * p.transpose() * *w;
+            from_spread += w * p.norm_squared();
+            to_spread += w * q.norm_squared();
+        }
+        let count = total * total / weights.iter().map(|w| w * w).sum::<f64>();
+        Some(Self { from_mean, to_mean, covariance, from_spread, to_spread, total, count })
+    }
+
+    /// Whether the points of one side coincide: their spread is rounding.
+    fn coincide(&self) -> bool {
+        let is_rounding = |spread: f64, mean: &Vector3<f64>| spread <= self.total * (1e-12 * mean.norm()).powi(2);
+        is_rounding(self.from_spread, &self.from_mean) || is_rounding(self.to_spread, &self.to_mean)
+    }
+
+    fn similarity(&self, rotation: Matrix3<f64>) -> Similarity {
+        let scale = (self.to_spread / self.from_spread).sqrt();
+        Similarity { scale, rotation, translation: self.to_mean - rotation * self.from_mean * scale }
+    }
+
+    fn orient(&self, orientation: Orientation) -> Option<Oriented> {
+        let fitted = best_rotation(&self.covariance)?;
+        let (axes, degrees_from_axes) = nearest_axes(&fitted);
+        let taken = match orientation {
+            Orientation::Same => Taken::Same,
+            Orientation::Fitted => Taken::Fitted,
+            Orientation::Auto if degrees_from_axes > MAX_ROUNDED_DEGREES => Taken::Fitted,
+            Orientation::Auto if self.rounding_misfits(&fitted, &axes) => Taken::Fitted,
+            Orientation::Auto => Taken::Axes,
+        };
+        let rotation = match taken {
+            Taken::Same => Matrix3::identity(),
+            Taken::Axes => axes,
+            Taken::Fitted => fitted,
+        };
+        Some(Oriented { rotation, taken, degrees_from_axes })
+    }
+
+    /// Whether `axes` in place of `fitted` worsens the fit more than other proportions explain.
+    ///
+    /// Mean squares are over degrees of freedom, because few points are always fitted well: n points have 3n, of which a
+    /// similarity takes 7, and 4 if its rotation is given.
+    fn rounding_misfits(&self, fitted: &Matrix3<f64>, axes: &Matrix3<f64>) -> bool {
+        let free = |taken: f64| (3.0 * self.count - taken).max(0.0);
+        let (fitted, axes) = (self.misfit(fitted), self.misfit(axes));
+        axes > MIN_RELATIVE_MISFIT * self.to_spread && axes * free(7.0) > MAX_ROUNDED_RATIO * fitted * free(4.0)
+    }
+
+    /// Σ w ‖(q − q̄) − s R (p − p̄)‖².
+    fn misfit(&self, rotation: &Matrix3<f64>) -> f64 {
+        let scale = (self.to_spread / self.from_spread).sqrt();
+        (2.0 * (self.to_spread - scale * (rotation.transpose() * self.covariance).trace())).max(0.0)
+    }
+}
+
+/// The rotation R that maximises tr(Rᵀ C); `None` if C has rank 1 or less, which leaves it open.
+fn best_rotation(covariance: &Matrix3<f64>) -> Option<Matrix3<f64>> {
     let values = covariance.singular_values();
     // The covariance squares the width of a cloud.
     if values[1] <= 1e-6 * values[0] || values[0] == 0.0 {
-        return Matrix3::identity();
+        return None;
     }
-    polar(covariance).rotation
+    Some(polar(covariance).rotation)
 }
 
-/// The nearest of the 24 rotations that map axes to axes if it is within 30 degrees, else `r` itself.
-fn rounded(r: Matrix3<f64>) -> Matrix3<f64> {
+/// The nearest of the 24 rotations that map axes to axes, and the angle to it in degrees.
+fn nearest_axes(r: &Matrix3<f64>) -> (Matrix3<f64>, f64) {
     let candidates = axis_rotations();
     let closeness = |c: &Matrix3<f64>| (c.transpose() * r).trace();
-    let best = candidates.iter().max_by(|a, b| closeness(a).total_cmp(&closeness(b))).copied().unwrap_or(r);
-    let cos = (closeness(&best) - 1.0) / 2.0;
-    if cos >= 30f64.to_radians().cos() { best } else { r }
+    let best = candidates.iter().max_by(|a, b| closeness(a).total_cmp(&closeness(b))).copied().unwrap_or(*r);
+    (best, ((closeness(&best) - 1.0) / 2.0).clamp(-1.0, 1.0).acos().to_degrees())
 }
 
 /// The 24 rotations that map axes to axes, the identity first.
@@ -145,13 +268,60 @@ mod tests {
         }
     }
 
+    /// The cloud turned by `degrees` about z, and each point moved by up to `noise` of its size, the same at every angle.
+    fn turned(degrees: f64, noise: f64) -> Vec<Point3<f64>> {
+        let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), degrees.to_radians());
+        let other = |i: usize, p: &Point3<f64>| {
+            let i = i as f64;
+            p + Vector3::new((5.1 * i).sin(), (3.7 * i).cos(), (1.9 * i).sin()) * noise
+        };
+        cloud().iter().enumerate().map(|(i, p)| turn * other(i, p)).collect()
+    }
+
+    fn oriented(to: &[Point3<f64>]) -> Oriented {
+        Similarity::orient(&cloud(), to, &[1.0; 20], Orientation::Auto).expect("a cloud of three dimensions")
+    }
+
     #[test]
-    fn a_small_turn_is_rounded_away_and_a_quarter_turn_is_kept() {
-        let small = *Rotation3::from_euler_angles(0.2, 0.1, 0.0).matrix();
-        assert_eq!(rounded(small), Matrix3::identity());
-        let quarter = *Rotation3::from_euler_angles(-std::f64::consts::FRAC_PI_2, 0.1, 0.0).matrix();
-        // y becomes -z... a turn of -90 degrees about x.
-        assert_eq!(rounded(quarter), Matrix3::new(1., 0., 0., 0., 0., 1., 0., -1., 0.));
+    fn a_shape_that_is_turned_keeps_its_rotation_at_every_angle() {
+        for degrees in [1.0, 10.0, 20.0, 29.0, 45.0] {
+            let found = oriented(&turned(degrees, 0.0));
+            let truth = *Rotation3::from_axis_angle(&Vector3::z_axis(), f64::to_radians(degrees)).matrix();
+            assert_eq!(found.taken, Taken::Fitted, "{degrees}");
+            // Rounding of sums of 20 terms.
+            assert!((found.rotation - truth).norm() < 1e-12, "{degrees}: {}", found.rotation);
+            assert!((found.degrees_from_axes - degrees).abs() < 1e-6, "{degrees}");
+        }
+        for degrees in [0.0, 90.0] {
+            let found = oriented(&turned(degrees, 0.0));
+            assert_eq!(found.taken, Taken::Axes, "{degrees}: exactly, not but for rounding");
+            assert!(found.degrees_from_axes < 1e-5);
+        }
+    }
+
+    #[test]
+    fn a_small_turn_of_another_shape_is_rounded_away_and_a_quarter_turn_is_kept() {
+        // The points differ by about a radius, of which a turn by 8 degrees explains little.
+        for (degrees, axes) in [(8.0, 0.0), (98.0, 90.0)] {
+            let found = oriented(&turned(degrees, 0.7));
+            assert_eq!(found.taken, Taken::Axes, "{degrees}");
+            let truth = *Rotation3::from_axis_angle(&Vector3::z_axis(), f64::to_radians(axes)).matrix();
+            assert!((found.rotation - truth).norm() < 1e-12, "{degrees}");
+        }
+        assert_eq!(
+            oriented(&turned(28.0, 0.2)).taken,
+            Taken::Fitted,
+            "points differ far less than the turn moves them"
+        );
+        assert_eq!(oriented(&turned(45.0, 0.7)).taken, Taken::Fitted, "never beyond 30 degrees");
+    }
+
+    #[test]
+    fn few_points_are_fitted_well_by_chance_and_do_not_say_that_a_shape_is_turned() {
+        let from = &cloud()[..3];
+        let to: Vec<_> = turned(5.0, 0.5)[..3].to_vec();
+        let of_three = Similarity::orient(from, &to, &[1.0; 3], Orientation::Auto).expect("a triangle");
+        assert_eq!(of_three.taken, Taken::Axes);
     }
 
     #[test]
