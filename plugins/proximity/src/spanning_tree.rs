@@ -7,7 +7,7 @@
 //!
 //! Departures: of all pairs within that distance, those are candidates in which one vertex is the nearest to the other, and at
 //! most `max_pairs` of them are kept, spread evenly over the gap: where components interpenetrate, the paper's set has
-//! millions of pairs that say the same.
+//! millions of pairs that say the same (`pairs: all` for the paper).
 //!
 //! Cost: the tree is exact without all distances. Pairs of components wait in a queue under the distance of their bounding
 //! boxes; only those that come to its front before the tree is complete are measured (`tree.rs`).
@@ -41,7 +41,9 @@ pub struct SpanningTree {
     /// be linked. Larger values make the target more cohesive.
     #[schemars(range(min = 0.0))]
     pub epsilon_factor: f64,
-    /// Most pairs of vertices a link keeps.
+    /// Which pairs of vertices a link keeps.
+    pub pairs: Pairs,
+    /// Most pairs of vertices a link keeps, with `pairs: spread`.
     #[schemars(range(min = 1))]
     pub max_pairs: usize,
     /// Links to have in any case, between components given by number or by name; each component of the first is linked with
@@ -55,8 +57,19 @@ pub struct SpanningTree {
 
 impl Default for SpanningTree {
     fn default() -> Self {
-        Self { epsilon_factor: 1.5, max_pairs: 60, add: vec![], forbid: vec![], weld: vec![] }
+        Self { epsilon_factor: 1.5, pairs: Pairs::Spread, max_pairs: 60, add: vec![], forbid: vec![], weld: vec![] }
     }
+}
+
+/// Which pairs of vertices a link keeps, of those no farther apart than d_ab + min(ε_a, ε_b).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Pairs {
+    /// At most `max_pairs`, spread evenly over the gap, of those in which one vertex is the nearest to the other.
+    #[default]
+    Spread,
+    /// All, as in the paper (section 2.1): millions where components interpenetrate or lie close.
+    All,
 }
 
 /// How much stiffer a welded link is.
@@ -146,6 +159,9 @@ impl SpanningTree {
     fn pairs(&self, target: &Surface, parts: &[Part], [a, b]: [u32; 2], distance: f64) -> (Vec<[u32; 2]>, bool) {
         let (p, q) = (&parts[a as usize], &parts[b as usize]);
         let limit = distance + self.epsilon(p).min(self.epsilon(q));
+        if self.pairs == Pairs::All {
+            return (all_pairs(target, p, q, limit), false);
+        }
         let mut near = p.near(q, limit);
         near.extend(q.near(p, limit).into_iter().map(|(d, v, w)| (d, w, v)));
         near.sort_by(|x, y| x.0.total_cmp(&y.0).then((x.1, x.2).cmp(&(y.1, y.2))));
@@ -158,6 +174,21 @@ impl SpanningTree {
         kept.sort_unstable();
         (kept.iter().map(|&k| [near[k].1, near[k].2]).collect(), kept.len() < near.len())
     }
+}
+
+/// All pairs of vertices no farther apart than `limit`, closest first.
+fn all_pairs(target: &Surface, p: &Part, q: &Part, limit: f64) -> Vec<[u32; 2]> {
+    let at = |v: u32| target.positions[v as usize];
+    // A vertex that is not near to any of the other component is in no pair.
+    let (left, right) = (p.near(q, limit), q.near(p, limit));
+    let mut pairs: Vec<(f64, [u32; 2])> = left
+        .iter()
+        .flat_map(|&(_, v, _)| right.iter().map(move |&(_, w, _)| [v, w]))
+        .map(|[v, w]| ((at(v) - at(w)).norm(), [v, w]))
+        .filter(|&(distance, _)| distance <= limit)
+        .collect();
+    pairs.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    pairs.into_iter().map(|(_, pair)| pair).collect()
 }
 
 /// For each component of `from` the nearest one of `to`.

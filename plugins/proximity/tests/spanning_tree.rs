@@ -7,7 +7,7 @@ use mimesh_core::{
     stage::{ComponentRef, Proximity, ProximityGraph},
     testkit::random::Random,
 };
-use mimesh_proximity::spanning_tree::SpanningTree;
+use mimesh_proximity::spanning_tree::{Pairs, SpanningTree};
 use nalgebra::Point3;
 use proptest::prelude::*;
 
@@ -154,6 +154,32 @@ fn links_are_forbidden_added_and_welded_by_name_or_number() {
     let all = [[0, 1], [0, 2], [0, 3]].map(|[a, b]| [ComponentRef::Number(a), ComponentRef::Number(b)]);
     let error = SpanningTree { forbid: all.to_vec(), ..near }.proximity(&surface).unwrap_err();
     assert_eq!(error.to_string(), "forbidden links leave components without any tie to the rest");
+}
+
+#[test]
+fn all_pairs_within_the_distance_are_those_of_brute_force() {
+    for seed in 0..5 {
+        let surface = scattered(seed, 12, false);
+        let components = surface.components();
+        let graph =
+            SpanningTree { pairs: Pairs::All, max_pairs: 1, ..SpanningTree::default() }.proximity(&surface).unwrap();
+        let mut pairs_seen = 0;
+        for link in graph.links() {
+            // The longest edge of every component is √2.
+            let limit = link.distance + 1.5 * 2f64.sqrt();
+            let of = |c: u32| {
+                let of_vertex = &components.of_vertex;
+                (0..surface.vertex_count() as u32).filter(move |&v| of_vertex[v as usize] == Some(c))
+            };
+            let [a, b] = link.components;
+            let near =
+                |&[v, w]: &[u32; 2]| (surface.positions[v as usize] - surface.positions[w as usize]).norm() <= limit;
+            let expected: BTreeSet<[u32; 2]> = of(a).flat_map(|v| of(b).map(move |w| [v, w])).filter(near).collect();
+            assert_eq!(link.pairs.iter().copied().collect::<BTreeSet<_>>(), expected, "{seed}: {a} {b}");
+            pairs_seen += expected.len();
+        }
+        assert!(pairs_seen > 2 * graph.links().count(), "more than the closest pairs");
+    }
 }
 
 #[test]
