@@ -2,16 +2,18 @@
 
 use mimesh_core::{
     mesh::SurfacePoint,
-    spatial::{Orientation, Similarity},
+    spatial::{Orientation, Oriented, Similarity, Taken},
     stage::{TransferPair, TriangleMap},
 };
-use nalgebra::{Point3, Vector3};
+use nalgebra::{Matrix3, Point3, Vector3};
 
 /// Middles of target triangles with the source points they lie at, weighted by area.
 #[derive(Debug)]
 pub struct Alignment {
     /// Takes the source to the place, size and orientation of the target at rest.
     pub target_from_source: Similarity,
+    /// How its rotation was chosen; `None` if the points leave it open.
+    pub oriented: Option<Oriented>,
     /// Weights of source vertices in the mean of all source points; they sum to 1.
     source_weights: Vec<f64>,
     /// Weights of target vertices in the mean of all target points; they sum to 1.
@@ -40,7 +42,17 @@ impl Alignment {
         }
         normalise(&mut source_weights);
         normalise(&mut target_weights);
-        Self { target_from_source: Similarity::fit(&from, &to, &weights, orientation), source_weights, target_weights }
+        // Markers decide where there are enough, so that transfer and correspondence take the same rotation.
+        let oriented = match by_markers(pair, orientation) {
+            Some(by_markers) if by_markers.taken == Taken::Fitted => {
+                Similarity::orient(&from, &to, &weights, Orientation::Fitted)
+            }
+            Some(by_markers) => Some(by_markers),
+            None => Similarity::orient(&from, &to, &weights, orientation),
+        };
+        let rotation = oriented.map_or_else(Matrix3::identity, |oriented| oriented.rotation);
+        let target_from_source = Similarity::with_rotation(&from, &to, &weights, rotation);
+        Self { target_from_source, oriented, source_weights, target_weights }
     }
 
     /// Mean of the source points when the source is at `positions`.
@@ -52,6 +64,13 @@ impl Alignment {
     pub fn target_mean(&self, positions: &[Point3<f64>]) -> Vector3<f64> {
         weighted(positions, &self.target_weights)
     }
+}
+
+/// How the markers orient the pair; `None` if they leave it open.
+pub fn by_markers(pair: TransferPair<'_>, orientation: Orientation) -> Option<Oriented> {
+    let from: Vec<_> = pair.markers.iter().map(|m| m.source.position(pair.source, &pair.source.positions)).collect();
+    let to: Vec<_> = pair.markers.iter().map(|m| m.target.position(pair.target, &pair.target.positions)).collect();
+    Similarity::orient(&from, &to, &vec![1.0; from.len()], orientation)
 }
 
 /// The source points under target triangle `t` with their shares, which sum to 1: those of its corners if all are known,

@@ -2,8 +2,8 @@
 //!
 //! Each part k has a weight φₖ at each vertex: 1 where only its own region is within reach, falling smoothly to 0 at the distance
 //! `border` from its region; Σₖ φₖ = 1. Results of two methods do not lie at the same place, and mixing positions would
-//! shear what lies between. So components with vertices of several weights take deformation gradients Σₖ φₖ Fₖ,
-//! integrated over the component, with the mean of Σₖ φₖ xₖ over it. A component of one part takes that part's positions as they
+//! shear what lies between. So components with vertices of several weights take the mean of the deformation gradients Fₖ by φₖ
+//! (of logarithms of rotations and of stretches, so that parts that turn apart do not shrink), integrated over the component, with the mean of Σₖ φₖ xₖ over it. A component of one part takes that part's positions as they
 //! are.
 //!
 //! Rest gives rest and a rigid motion itself: all parts then have the same gradients and the same means.
@@ -11,7 +11,7 @@
 use mimesh_core::{
     Error, Figures, Result,
     mesh::{Surface, check_finite},
-    operators::{DeformationGradients, voronoi_mass},
+    operators::{DeformationGradients, mean_gradient, voronoi_mass},
     plugin::check_ranges,
     register,
     spatial::EdgePaths,
@@ -304,16 +304,13 @@ impl Bound {
         self.weights.iter().zip(results).map(one).sum()
     }
 
-    /// Σₖ φₖ Fₖ, φ being the mean of the corners'.
+    /// The mean of the parts' gradients by φ, that of the corners; rotations and stretches apart.
     fn gradient(&self, t: usize, results: &[Transferred]) -> Matrix3<f64> {
         let corners = self.triangles[t];
-        let mut sum = Matrix3::zeros();
-        for (weights, result) in self.weights.iter().zip(results) {
+        let of_part = |(weights, result): (&Vec<f64>, &Transferred)| {
             let weight = corners.iter().map(|&v| weights[v as usize]).sum::<f64>() / 3.0;
-            if weight > 0.0 {
-                sum += self.gradients.of_triangle(t, &result.positions) * weight;
-            }
-        }
-        sum
+            (weight > 0.0).then(|| (weight, self.gradients.of_triangle(t, &result.positions)))
+        };
+        mean_gradient(&self.weights.iter().zip(results).filter_map(of_part).collect::<Vec<_>>())
     }
 }

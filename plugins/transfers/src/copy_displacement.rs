@@ -31,12 +31,13 @@ impl Transfer for CopyDisplacement {
     fn bind(&self, input: BindInput<'_>) -> Result<Box<dyn BoundTransfer>> {
         let (pair, map) = (input.pair, input.require_map()?);
         let points = map.source_points(pair)?;
-        let target_from_source = Alignment::new(pair, map, self.orientation).target_from_source;
+        let alignment = Alignment::new(pair, map, self.orientation);
         Ok(Box::new(Bound {
             source: pair.source.clone(),
             rest: pair.target.positions.clone(),
             points,
-            target_from_source,
+            target_from_source: alignment.target_from_source,
+            figures: figures(&alignment),
         }))
     }
 }
@@ -47,6 +48,7 @@ struct Bound {
     rest: Vec<Point3<f64>>,
     points: Vec<SurfacePoint>,
     target_from_source: Similarity,
+    figures: Figures,
 }
 
 impl BoundTransfer for Bound {
@@ -65,6 +67,6 @@ impl BoundTransfer for Bound {
     }
 
     fn figures(&self) -> Figures {
-        figures(&self.target_from_source)
+        self.figures.clone()
     }
 }

@@ -21,14 +21,17 @@ use mimesh_core::{
     mesh::check_finite,
     plugin::check_ranges,
     register,
-    spatial::{Orientation, Similarity},
+    spatial::Orientation,
     stage::{BindInput, BoundTransfer, Transfer, TransferPair, Transferred},
 };
 use nalgebra::Point3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::{Placement, alignment::Alignment, field::Field, placement::BoundPlacement, poisson::Poisson};
+use crate::{
+    Continuation, Placement, alignment::Alignment, extension::OrphanRule, field::Field, placement::BoundPlacement,
+    poisson::Poisson,
+};
 
 register!(Transfer: GradientTransfer);
 
@@ -49,6 +52,8 @@ pub struct GradientTransfer {
     /// ε: how far from the source's a deformation gradient may be (Frobenius norm) before its triangle counts less.
     #[schemars(range(min = 1e-6))]
     pub tolerance: f64,
+    /// How triangles that correspond to nothing continue the deformation of their neighbours.
+    pub continuation: Continuation,
     /// The rule that fixes the global translation.
     pub placement: Placement,
     /// How source and target are turned to each other at rest.
@@ -62,6 +67,7 @@ impl Default for GradientTransfer {
             weighting: Weighting::Area,
             reweightings: 5,
             tolerance: 0.02,
+            continuation: Continuation::Rotations,
             placement: Placement::Motion,
             orientation: Orientation::Auto,
         }
@@ -98,13 +104,15 @@ impl Transfer for GradientTransfer {
         let map = input.require_map()?;
         let alignment = Alignment::new(pair, map, self.orientation);
         let similarity = alignment.target_from_source;
-        let field = Field::new(pair, map, similarity.rotation, self.sampling == Sampling::Points, &[])?;
+        let orphans = OrphanRule { continuation: self.continuation, bridges: &[], weight: &|_, _| 1.0 };
+        let field = Field::new(pair, map, similarity.rotation, self.sampling == Sampling::Points, orphans)?;
         let poisson = Poisson::new(pair.target, |area| match self.weighting {
             Weighting::Area => area,
             Weighting::Uniform => 1.0,
         })?;
+        let figures = figures(&alignment);
         let placement = self.placement.bind(pair, alignment)?;
-        Ok(Box::new(Bound { settings: self.clone(), field, poisson, placement, figures: figures(&similarity) }))
+        Ok(Box::new(Bound { settings: self.clone(), field, poisson, placement, figures }))
     }
 
     fn check(&self, pair: TransferPair<'_>) -> Result<()> {
@@ -131,10 +139,15 @@ fn check_connected(pair: TransferPair<'_>) -> Result<()> {
 }
 
 /// How the pair lies to each other, in a reader's words.
-pub(crate) fn figures(target_from_source: &Similarity) -> Figures {
+pub(crate) fn figures(alignment: &Alignment) -> Figures {
+    let target_from_source = &alignment.target_from_source;
     let mut figures = Figures::default();
     figures.set("size_ratio", target_from_source.scale);
     figures.set("turned_degrees", target_from_source.angle_degrees());
+    if let Some(oriented) = &alignment.oriented {
+        figures.set("orientation", oriented.taken.name());
+        figures.set("fitted_degrees_from_axes", oriented.degrees_from_axes);
+    }
     if !(0.2..=5.0).contains(&target_from_source.scale) {
         figures.warn(format!(
             "the target is {:.3} times the size of the source; nothing is wrong with that, but look whether the units are meant",

@@ -5,11 +5,14 @@ pub mod biharmonic;
 pub mod blend;
 pub mod chain;
 pub mod copy_displacement;
+mod extension;
 mod field;
 mod frames;
 pub mod gradient;
+mod lift;
 pub mod multi_component;
 mod placement;
 mod poisson;
 
+pub use extension::Continuation;
 pub use placement::Placement;

@@ -14,6 +14,9 @@ pub enum Placement {
     Motion,
     /// The mean of the markers moves as it does on the source, scaled to the size of the target.
     Markers,
+    /// This marker moves as it does on the source, scaled to the size of the target: a foot that treads where the source's does,
+    /// as in figure 3 of Zhou et al. 2010.
+    Marker(String),
     /// The mean of these vertices of the target's file (from 0) stays where it is at rest.
     Anchor(Vec<u32>),
     /// The mean of all corresponding points stays where it is at rest: the motion of the source as a whole is dropped.
@@ -25,7 +28,7 @@ impl Placement {
     ///
     /// # Errors
     ///
-    /// [`Error::Data`] if there are no markers to follow, or [`Error::Setting`] if an anchor does not exist.
+    /// [`Error::Data`] if there are no markers to follow, or [`Error::Setting`] if a marker or an anchor does not exist.
     pub fn bind(&self, pair: TransferPair<'_>, alignment: Alignment) -> Result<BoundPlacement> {
         let (source, target) = (pair.source, pair.target);
         let (source_points, target_points): (Weighted, Weighted) = match self {
@@ -40,6 +43,17 @@ impl Placement {
                 pair.markers.iter().flat_map(|m| m.source.corners(source)).collect(),
                 pair.markers.iter().flat_map(|m| m.target.corners(target)).collect(),
             ),
+            Self::Marker(name) => {
+                let Some(marker) = pair.markers.iter().find(|marker| marker.name == *name) else {
+                    let names: Vec<&str> = pair.markers.iter().map(|marker| marker.name.as_str()).collect();
+                    return Err(Error::Setting {
+                        setting: "placement.marker".into(),
+                        expected: format!("the name of a marker, of {}", names.join(", ")),
+                        found: name.clone(),
+                    });
+                };
+                (marker.source.corners(source), marker.target.corners(target))
+            }
             Self::Anchor(vertices) => {
                 let count = target.vertex_of.len();
                 let on_surface = |&v: &u32| target.vertex_of.get(v as usize).copied().flatten();
@@ -57,7 +71,7 @@ impl Placement {
             }
         };
         let mut bound = BoundPlacement {
-            follows: matches!(self, Self::Motion | Self::Markers),
+            follows: matches!(self, Self::Motion | Self::Markers | Self::Marker(_)),
             alignment,
             source_points,
             target_points,

@@ -39,6 +39,8 @@ use serde::{Deserialize, Serialize};
 use integral::Integral;
 use residual::Residual;
 
+use crate::alignment::by_markers;
+
 register!(Transfer: Biharmonic);
 
 /// Moves the target by a few handles, whose maps are found on the source (Yang et al. 2018).
@@ -152,6 +154,10 @@ impl Transfer for Biharmonic {
         figures.set("regions", regions.count);
         if self.frame == Frame::Fitted {
             figures.set("size_ratio", target_from_source.scale);
+            if let Some(oriented) = by_markers(pair, self.orientation) {
+                figures.set("orientation", oriented.taken.name());
+                figures.set("fitted_degrees_from_axes", oriented.degrees_from_axes);
+            }
         }
         for (side, found) in [("source", &of_source.figures), ("target", &of_target.figures)] {
             found.values.iter().for_each(|(name, value)| figures.set(&format!("{side}_{name}"), value.clone()));

@@ -10,16 +10,18 @@ use nalgebra::{Matrix3, Point3, Vector3};
 
 use super::{
     foot_contacts::FootContacts,
-    gaps::{Gap, Gaps},
+    gaps::{AllGaps, Deformation, Gap, Gaps},
+    minimum::{Directions, Minimum, Problem, minimise},
     prior::Prior,
     rigid::Rigid,
-    system::System,
+    system::{Continued, System},
 };
-use crate::{field::Field, placement::BoundPlacement};
+use crate::{extension::Continuation, field::Field, placement::BoundPlacement};
 
 #[derive(Debug)]
 pub struct Bound {
     pub gaps_keep: Gaps,
+    pub continuation: Continuation,
     /// Whether E2 has a weight.
     pub continue_neighbours: bool,
     pub sequence: bool,
@@ -27,7 +29,7 @@ pub struct Bound {
     pub tolerance: f64,
     pub prior: Option<Prior>,
     pub field: Field,
-    pub gaps: Vec<Gap>,
+    pub gaps: AllGaps,
     pub system: System,
     pub rigid: Rigid,
     pub foot_contacts: FootContacts,
@@ -106,92 +108,96 @@ impl Bound {
             // Continuing their neighbours is E2 as well.
             (0..field.len()).filter(|&t| self.field.is_orphan(t)).for_each(|t| field[t] = Matrix3::identity());
         }
-        let initial = match &self.prior {
+        let prior = match &self.prior {
             Some(prior) => {
                 let mut positions = prior.positions(posed)?;
                 self.placement.apply(posed, &mut positions);
-                Some(positions)
+                Some((prior, positions))
             }
             None => None,
         };
-        if let (Some(prior), Some(b)) = (&self.prior, &initial) {
+        let mut continued = None;
+        if let Some((prior, b)) = &prior {
+            let mut before = field.clone();
+            self.rigid.stiffen(&mut before);
+            continued = Some(before);
             prior.fill(b, &mut field, |t| self.field.is_orphan(t));
         }
-        let start = start.or(initial.as_deref());
         self.rigid.stiffen(&mut field);
-        let mut known: Vec<Option<Vector3<f64>>> = self.known_gaps(posed, &field);
-        if let Some(b) = &initial {
-            for (known, gap) in known.iter_mut().zip(&self.gaps).filter(|(_, gap)| gap.is_loose()) {
-                *known = Some(b[gap.ends[0] as usize] - b[gap.ends[1] as usize]);
-            }
-        }
-        let rhs = self.system.rhs(&field);
-
-        let first_guess = |gap: &Gap| {
-            let guess = gap.first_guess(&field);
-            start.map_or(guess, |start| with_length(gap, start, guess))
+        let continued = match self.continuation {
+            Continuation::Gradients => Continued::Alike,
+            Continuation::Rotations => Continued::As(continued.as_deref().unwrap_or(&field)),
         };
-        let mut vectors: Vec<_> =
-            self.gaps.iter().zip(&known).map(|(gap, known)| known.unwrap_or_else(|| first_guess(gap))).collect();
-        let mut details = match start {
-            Some(start) => self.system.details(start),
-            None => self.system.turned_details(|v| self.rotation(v, &field)),
+        let start = start.or(prior.as_ref().map(|(_, b)| &b[..]));
+        let (problem, first) = self.problem(posed, &field, continued, prior.as_ref().map(|(p, b)| (*p, &b[..])), start);
+        let Minimum { mut x, mut energy, steps, converged, movement } =
+            minimise(&problem, first, self.max_steps, self.tolerance);
+        let hold = |x: &mut Vec<f64>| {
+            if held.is_empty() { None } else { Some(self.foot_contacts.hold(held, &self.system, x)) }
         };
-        let mut energies = Vec::new();
-        let mut goals = initial.clone().unwrap_or_default();
-        // Whether directions change from step to step.
-        let turns = self.system.has_details() || known.iter().any(Option::is_none);
-        let mut positions;
-        loop {
-            let mut x = self.system.solve(&rhs, &self.gaps, &vectors, &details, &goals);
-            let shift = if held.is_empty() { None } else { Some(self.foot_contacts.hold(held, &self.system, &mut x)) };
-            positions = self.system.positions(&x);
-            let mut moved = None;
-            let mut energy = self.system.energy(&x, &field) + self.gap_energy(&known, &positions);
-            if let (Some(prior), Some(b)) = (&self.prior, &initial) {
-                // Before foot contacts shift the target as a whole, which E5 is not to mind.
-                energy += prior.energy(b, &positions);
-                let next = prior.goals(b, &positions);
-                moved = prior.distance(&goals, &next);
-                goals = next;
-            }
-            positions.iter_mut().for_each(|p| *p += shift.unwrap_or_default());
-            let lowered = energies.last().is_none_or(|last| last - energy > self.tolerance * last);
-            let settled = moved.is_none_or(|moved| moved <= self.tolerance) && !(turns && lowered);
-            energies.push(energy);
-            if settled || energies.len() == self.max_steps {
-                break;
-            }
-            for ((vector, gap), known) in vectors.iter_mut().zip(&self.gaps).zip(&known) {
-                if known.is_none() {
-                    *vector = with_length(gap, &positions, *vector);
-                }
-            }
-            details = self.system.details(&positions);
+        let mut shift = hold(&mut x);
+        if held.len() > 1 && problem.turns() {
+            // Contacts bend the target, and what bends turns on. That is no more than a few steps away.
+            (energy, shift) = problem.settle(&mut x, self.max_steps, self.tolerance, hold);
         }
+        let mut positions = self.system.positions(&x);
+        positions.iter_mut().for_each(|p| *p += shift.unwrap_or_default());
         self.rigid.fit(&mut positions);
         place(&mut positions);
         check_finite(&positions)?;
         let mut figures = Figures::default();
-        figures.set("steps", energies.len());
-        figures.set("energy", energies[energies.len() - 1]);
+        figures.set("steps", steps);
+        figures.set("energy", energy);
+        figures.set("converged", converged);
+        if !converged {
+            let still = if movement.is_finite() {
+                format!("vertices have up to {:.3} % of the diagonal to go", 100.0 * movement)
+            } else {
+                "one step does not tell how far they are".into()
+            };
+            figures.warn(format!(
+                "gaps and orphans had not come to rest when the steps ended (`max_steps: {}`): {still}; raise `max_steps`, or give \
+                 markers to components that correspond to nothing",
+                self.max_steps
+            ));
+        }
         Ok(Transferred { positions, figures })
     }
 
-    fn known_gaps(&self, posed: &[Point3<f64>], field: &[Matrix3<f64>]) -> Vec<Option<Vector3<f64>>> {
+    /// The energy of a pose, and the directions to start from.
+    fn problem<'a>(
+        &'a self,
+        posed: &[Point3<f64>],
+        field: &'a [Matrix3<f64>],
+        continued: Continued<'a>,
+        prior: Option<(&'a Prior, &'a [Point3<f64>])>,
+        start: Option<&[Point3<f64>]>,
+    ) -> (Problem<'a>, Directions) {
         let similarity = &self.placement.alignment.target_from_source;
-        let vector = |gap: &Gap| gap.vector(self.gaps_keep, self.field.source(), posed, field, similarity);
-        self.gaps.iter().map(vector).collect()
-    }
-
-    /// E3.
-    fn gap_energy(&self, known: &[Option<Vector3<f64>>], positions: &[Point3<f64>]) -> f64 {
-        let energy = |(gap, known): (&Gap, &Option<Vector3<f64>>)| {
-            let now = positions[gap.ends[0] as usize] - positions[gap.ends[1] as usize];
-            gap.weight
-                * known.map_or_else(|| (now.norm() - gap.rest.norm()).powi(2), |goal| (now - goal).norm_squared())
+        let gaps = &self.gaps.gaps;
+        let deformations = self.gaps.deformations(self.gaps_keep, field);
+        let vector = |(gap, f): (&Gap, &Deformation)| {
+            let known = gap.vector(self.gaps_keep, self.field.source(), posed, f, similarity);
+            match prior {
+                Some((_, b)) if gap.is_loose() => Some(b[gap.ends[0] as usize] - b[gap.ends[1] as usize]),
+                _ => known,
+            }
         };
-        self.gaps.iter().zip(known).map(energy).sum()
+        let known: Vec<Option<Vector3<f64>>> = gaps.iter().zip(&deformations).map(vector).collect();
+        let first = |((gap, f), known): ((&Gap, &Deformation), &Option<Vector3<f64>>)| {
+            let guess = f.turned * gap.rest;
+            known.unwrap_or_else(|| start.map_or(guess, |start| gap.with_length(start, guess)))
+        };
+        let directions = Directions {
+            vectors: gaps.iter().zip(&deformations).zip(&known).map(first).collect(),
+            details: match start {
+                Some(start) => self.system.details(start),
+                None => self.system.turned_details(|v| self.rotation(v, field)),
+            },
+            goals: prior.map_or_else(Vec::new, |(_, b)| b.to_vec()),
+        };
+        let rhs = self.system.rhs(field, continued);
+        (Problem { system: &self.system, gaps, field, continued, known, prior, rhs }, directions)
     }
 
     /// How the surface around a vertex has turned.
@@ -199,10 +205,4 @@ impl Bound {
         let mean: Matrix3<f64> = self.around[vertex as usize].iter().map(|&t| field[t as usize]).sum();
         if mean.norm() > 0.0 { polar(&mean).rotation } else { Matrix3::identity() }
     }
-}
-
-/// The gap with the direction of now and the length at rest; as `before` if it has no direction.
-fn with_length(gap: &Gap, positions: &[Point3<f64>], before: Vector3<f64>) -> Vector3<f64> {
-    let now = positions[gap.ends[0] as usize] - positions[gap.ends[1] as usize];
-    now.try_normalize(1e-300).map_or(before, |direction| direction * gap.rest.norm())
 }

@@ -1,8 +1,11 @@
 //! E3: what becomes of the gaps between components.
 
+use std::{collections::HashMap, ops::Range};
+
 use mimesh_core::{
     Result,
     mesh::{Components, Surface, SurfacePoint},
+    operators::Turn,
     spatial::{Nearest, Similarity},
     stage::{TransferPair, TriangleMap},
 };
@@ -22,6 +25,20 @@ pub enum Gaps {
     Turn,
     /// Its length, as in the paper (eq. 8): ‖t‖ = ‖e‖.
     Length,
+    /// Nothing. Tetrahedra across the gap are to deform alike instead, those of E_R (eq. 4), and orphans keep no details: the
+    /// linear method that the paper compares with (figure 7 d). It distorts parts that turn apart.
+    Tetrahedra,
+}
+
+/// The gaps of a target.
+#[derive(Debug)]
+pub struct AllGaps {
+    /// One for each pair of vertices.
+    pub gaps: Vec<Gap>,
+    /// The gaps of each link.
+    links: Vec<Range<usize>>,
+    /// For each vertex at an end the triangles whose deformation turns the gap.
+    rings: Vec<Vec<u32>>,
 }
 
 /// A pair of vertices of two components.
@@ -32,91 +49,158 @@ pub struct Gap {
     pub weight: f64,
     /// e = xᵢ − xⱼ at rest.
     pub rest: Vector3<f64>,
-    /// Triangles around the ends, whose mean deformation turns the gap.
-    around: Vec<u32>,
+    /// The ends among the rings, and the share of the second in the mean deformation.
+    rings: [u32; 2],
+    share: f64,
     /// Source points of the ends, and uᵢ − uⱼ between them at rest.
     source: Option<([SurfacePoint; 2], Vector3<f64>)>,
     /// Whether both ends belong to components that correspond.
     known: bool,
 }
 
-impl Gap {
+/// How the ends of a gap have deformed in the mean.
+#[derive(Clone, Copy, Debug)]
+pub struct Deformation {
+    /// With rotations apart, so that nothing shrinks where the ends turn apart.
+    pub turned: Matrix3<f64>,
+    /// The mean of the gradients.
+    pub mean: Matrix3<f64>,
+}
+
+impl Deformation {
+    fn of_one(f: Matrix3<f64>) -> Self {
+        Self { turned: f, mean: f }
+    }
+}
+
+impl AllGaps {
+    /// No gaps.
+    pub fn none() -> Self {
+        Self { gaps: vec![], links: vec![], rings: vec![] }
+    }
+
     /// The gaps of all links; `is_orphan` says which triangles correspond to nothing.
     ///
     /// # Errors
     ///
     /// If a position is not finite.
-    pub fn all(
+    pub fn new(
         pair: TransferPair<'_>,
         map: &TriangleMap,
         weight: f64,
         is_orphan: impl Fn(usize) -> bool,
-    ) -> Result<Vec<Self>> {
-        let Some(graph) = pair.proximity else { return Ok(vec![]) };
+    ) -> Result<Self> {
+        let Some(graph) = pair.proximity else { return Ok(Self::none()) };
         let (source, target) = (pair.source, pair.target);
         let knowledge = Knowledge::new(pair, map, is_orphan, &graph.components)?;
-        let gap = |ends: [u32; 2], stiffness: f64| {
-            let at = |p: SurfacePoint| p.position(source, &source.positions);
-            let told = ends.map(|v| knowledge.of(v));
-            let points = told[0].and_then(|v| knowledge.point(v)).zip(told[1].and_then(|v| knowledge.point(v)));
-            let around = |v: &u32| knowledge.around[*v as usize].iter().copied();
-            let known_around = told.iter().flatten().flat_map(around).filter(|&t| knowledge.corresponds[t as usize]);
-            Self {
-                ends,
-                weight: weight * stiffness,
-                rest: target.positions[ends[0] as usize] - target.positions[ends[1] as usize],
-                around: known_around.collect(),
-                source: points.map(|(a, b)| ([a, b], at(a) - at(b))),
-                known: told.iter().all(Option::is_some),
+        let at = |p: SurfacePoint| p.position(source, &source.positions);
+        let (mut gaps, mut links, mut rings) = (Vec::new(), Vec::new(), Vec::new());
+        let mut ring_of = HashMap::new();
+        for link in graph.links() {
+            let first = gaps.len();
+            for &ends in &link.pairs {
+                let told = ends.map(|v| knowledge.of(v));
+                let points = told[0].and_then(|v| knowledge.point(v)).zip(told[1].and_then(|v| knowledge.point(v)));
+                // An end of which nothing is known turns as orphans continue their neighbours.
+                let turning = [told[0].unwrap_or(ends[0]), told[1].unwrap_or(ends[1])];
+                let rings_of_gap = turning.map(|v| {
+                    *ring_of.entry(v).or_insert_with(|| {
+                        rings.push(knowledge.ring(v));
+                        rings.len() as u32 - 1
+                    })
+                });
+                let counts = rings_of_gap.map(|ring| rings[ring as usize].len() as f64);
+                gaps.push(Gap {
+                    ends,
+                    weight: weight * link.stiffness,
+                    rest: target.positions[ends[0] as usize] - target.positions[ends[1] as usize],
+                    rings: rings_of_gap,
+                    share: counts[1] / (counts[0] + counts[1]).max(1.0),
+                    source: points.map(|(a, b)| ([a, b], at(a) - at(b))),
+                    known: told.iter().all(Option::is_some),
+                });
             }
-        };
-        let links = graph.links();
-        Ok(links
-            .flat_map(|link| link.pairs.iter().map(move |&ends| (ends, link.stiffness)))
-            .map(|(e, k)| gap(e, k))
-            .collect())
+            links.push(first..gaps.len());
+        }
+        Ok(Self { gaps, links, rings })
     }
 
+    /// For each gap how its ends have deformed in the mean, when target triangles take the gradients of `field`.
+    ///
+    /// With R_a, R_b the rotations of the two sides of a link and R_s the one between them,
+    /// `turned` is R_s ((1 − s) R_aᵀ F_a + s R_bᵀ F_b), so that gaps keep their length where the sides turn apart; a mean of F_a and F_b
+    /// shrinks. Sides rather than single ends give the rotations, because the few triangles at an end may be noise.
+    pub fn deformations(&self, gaps: Gaps, field: &[Matrix3<f64>]) -> Vec<Deformation> {
+        let of_ring = |ring: &Vec<u32>| {
+            let sum: Matrix3<f64> = ring.iter().map(|&t| field[t as usize]).sum();
+            (!ring.is_empty()).then(|| sum / ring.len() as f64)
+        };
+        let means: Vec<Option<Matrix3<f64>>> = self.rings.iter().map(of_ring).collect();
+        let of_link = |range: &Range<usize>| {
+            let of_link = &self.gaps[range.clone()];
+            let turns = [0, 1].map(|side| {
+                let sum = of_link.iter().filter_map(|gap| means[gap.rings[side] as usize]).sum();
+                Turn { stretch: Matrix3::identity(), ..Turn::of(&sum) }
+            });
+            let back = turns.map(|turn| turn.gradient().transpose());
+            let mean = |gap: &Gap| match gap.rings.map(|ring| means[ring as usize]) {
+                // Gaps that follow the source ask for the mean alone.
+                [Some(a), Some(b)] if gaps == Gaps::Follow && gap.known && gap.source.is_some() => {
+                    Deformation::of_one(a * (1.0 - gap.share) + b * gap.share)
+                }
+                [Some(a), Some(b)] => {
+                    let between = turns[0].towards(&turns[1], gap.share).gradient();
+                    Deformation {
+                        turned: between * (back[0] * a * (1.0 - gap.share) + back[1] * b * gap.share),
+                        mean: a * (1.0 - gap.share) + b * gap.share,
+                    }
+                }
+                [Some(one), None] | [None, Some(one)] => Deformation::of_one(one),
+                [None, None] => Deformation::of_one(Matrix3::identity()),
+            };
+            of_link.iter().map(mean).collect::<Vec<_>>()
+        };
+        self.links.iter().flat_map(of_link).collect()
+    }
+}
+
+impl Gap {
     /// Whether only its length is known, because a component at its end corresponds to nothing.
     pub fn is_loose(&self) -> bool {
         !self.known
     }
 
-    /// The gap's vector when the source is at `posed` and target triangles take the gradients of `field`; `None` where only its
-    /// length is known.
+    /// The vector with the direction at `positions` and the length at rest; `before` if it has no direction.
+    pub fn with_length(&self, positions: &[Point3<f64>], before: Vector3<f64>) -> Vector3<f64> {
+        let now = positions[self.ends[0] as usize] - positions[self.ends[1] as usize];
+        now.try_normalize(1e-300).map_or(before, |direction| direction * self.rest.norm())
+    }
+
+    /// The gap's vector when the source is at `posed` and its ends have deformed by `f`; `None` where only its length is known.
+    ///
+    /// With `follow`, F carries only what the gap differs by from the source's, e − s R (uᵢ − uⱼ), in which errors of the
+    /// correspondence are. The mean of the gradients lets it shrink where the ends turn apart: kept at its length, it makes the
+    /// links of a mannequin 5 % worse.
     pub fn vector(
         &self,
         gaps: Gaps,
         source: &Surface,
         posed: &[Point3<f64>],
-        field: &[Matrix3<f64>],
+        f: &Deformation,
         target_from_source: &Similarity,
     ) -> Option<Vector3<f64>> {
         if gaps == Gaps::Length || !self.known {
             return None;
         }
-        let f = self.mean(field);
-        let turned = f * self.rest;
         match (&self.source, gaps) {
             (Some(([a, b], rest)), Gaps::Follow) => {
                 let to_target = target_from_source.rotation * target_from_source.scale;
                 let now = a.position(source, posed) - b.position(source, posed);
-                Some(turned + to_target * now - f * (to_target * rest))
+                let difference = self.rest - to_target * rest;
+                Some(to_target * now + f.mean * difference)
             }
-            _ => Some(turned),
+            _ => Some(f.turned * self.rest),
         }
-    }
-
-    /// The direction in which to look for a gap of which only the length is known, before there is a solution.
-    pub fn first_guess(&self, field: &[Matrix3<f64>]) -> Vector3<f64> {
-        self.mean(field) * self.rest
-    }
-
-    fn mean(&self, field: &[Matrix3<f64>]) -> Matrix3<f64> {
-        if self.around.is_empty() {
-            return Matrix3::identity();
-        }
-        self.around.iter().map(|&t| field[t as usize]).sum::<Matrix3<f64>>() / self.around.len() as f64
     }
 }
 
@@ -184,6 +268,13 @@ impl<'a> Knowledge<'a> {
         }
         let (vertices, nearest) = self.known[self.components.of_vertex[v as usize]? as usize].as_ref()?;
         Some(vertices[nearest.find(&self.pair.target.positions[v as usize]).0 as usize])
+    }
+
+    /// The triangles around `v` that correspond; all of them where none does.
+    fn ring(&self, v: u32) -> Vec<u32> {
+        let around = &self.around[v as usize];
+        let known: Vec<u32> = around.iter().copied().filter(|&t| self.corresponds[t as usize]).collect();
+        if known.is_empty() { around.clone() } else { known }
     }
 
     /// The source point of `v`: the map's, or the partner's corner where triangles correspond as wholes.

@@ -11,22 +11,26 @@
 //! - E4 = Σ over orphan components: ‖L x̃ − δ̂‖², directions from now, lengths from rest (eq. 9);
 //! - w5 E5, with `initial`: how far another transfer's result is (prior.rs). Gaps and gradients of orphans are then its own.
 //!
-//! With directions held within a step, as Gauss and Newton do, the matrix is constant: it is factored once, and a step is a
-//! pair of triangular solves. Each step minimises a quadratic that lies above the energy and touches it, so the energy never
-//! rises.
+//! With directions held within a step, the matrix is constant: it is factored once, and a step is a pair of triangular solves.
+//! Each step minimises a quadratic that lies above the energy and touches it, so the energy never rises. Such steps alone turn
+//! a long chain of orphans slowly, so conjugate gradients on the Gauss-Newton model go on from them, with that matrix as the
+//! preconditioner (minimum.rs).
 //!
 //! Departures: triangles count by area (A), so that all terms are squared lengths and weights mean the same at any size and
-//! density; E2 of orphans next to triangles that correspond uses those triangles' F̂, which is known; gaps follow the source where
+//! density (`term_weights.areas: false` for the paper); E2 asks for the differences F_t − F_u that a continuation of rotations has,
+//! because equal gradients collapse what is twisted (`continuation: gradients` for the paper); E2 of orphans next to triangles that correspond uses those triangles' F̂, which is known; gaps follow the source where
 //! both ends correspond, because the paper's lengths fight intended relative motion; components can be rigid, and orphans are
 //! unless asked otherwise.
 
 mod bound;
 mod foot_contacts;
 mod gaps;
+mod minimum;
 mod prior;
 mod rigid;
 mod system;
 mod term_weights;
+mod tetrahedra;
 
 use mimesh_core::{
     Error, Result,
@@ -38,9 +42,14 @@ use mimesh_core::{
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use self::{bound::Bound, foot_contacts::FootContacts, gaps::Gap, prior::Prior, rigid::Rigid, system::System};
+use self::{bound::Bound, foot_contacts::FootContacts, gaps::AllGaps, prior::Prior, rigid::Rigid, system::System};
 pub use self::{foot_contacts::FootContact, gaps::Gaps, term_weights::TermWeights};
-use crate::{Placement, alignment::Alignment, field::Field, gradient::Sampling};
+use crate::{
+    Continuation, Placement, alignment::Alignment, extension::OrphanRule, field::Field, gradient::Sampling,
+};
+
+/// Triangles of less area than this part of the mean tie orphans to their neighbours as strongly as if they had it.
+const MIN_RELATIVE_AREA: f64 = 1e-6;
 
 register!(Transfer: MultiComponent);
 
@@ -78,11 +87,12 @@ pub struct MultiComponent {
     pub foot_contacts: Vec<FootContact>,
     /// The origin of the deformation of a target triangle.
     pub sampling: Sampling,
-    /// Most steps a pose; they are needed only for gaps of which the length alone is known, and for orphan components.
+    /// How triangles that correspond to nothing continue the deformation of their neighbours (E2).
+    pub continuation: Continuation,
+    /// Most steps (solves) a pose; they are needed only for gaps of which the length alone is known, and for orphan components.
     #[schemars(range(min = 1, max = 10000))]
     pub max_steps: usize,
-    /// Steps end once one lowers the energy by less than this part of it; with `initial`, once what the target is held to moves by
-    /// less than this part of the diagonal.
+    /// Steps end once no vertex has farther to go than this part of the diagonal, by the Gauss-Newton model of the energy.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub tolerance: f64,
     /// The rule that fixes the global translation.
@@ -103,8 +113,9 @@ impl Default for MultiComponent {
             sequence: false,
             foot_contacts: vec![],
             sampling: Sampling::Points,
-            max_steps: 100,
-            tolerance: 1e-4,
+            continuation: Continuation::Rotations,
+            max_steps: 1000,
+            tolerance: 1e-5,
             placement: Placement::Motion,
             orientation: Orientation::Auto,
         }
@@ -136,8 +147,22 @@ impl Transfer for MultiComponent {
         let alignment = Alignment::new(pair, map, self.orientation);
         let similarity = alignment.target_from_source;
         let bridges = bridges(pair);
-        let field = Field::new(pair, map, similarity.rotation, self.sampling == Sampling::Points, &bridges)?;
-        let gaps = Gap::all(pair, map, self.term_weights.gaps, |t| field.is_orphan(t))?;
+        let areas: Vec<f64> = target.area_normals(&target.positions).iter().map(|normal| normal.norm() / 2.0).collect();
+        // Triangles without area are tied to their neighbours, if weakly.
+        let least = MIN_RELATIVE_AREA * areas.iter().sum::<f64>() / areas.len().max(1) as f64;
+        let orphan = |t: u32| map.triangles[t as usize].is_none();
+        let weight = |a: u32, b: u32| {
+            let of_pair = [a, b].map(|t| areas[t as usize].max(least));
+            self.term_weights.of_pair(of_pair, orphan(a) && orphan(b))
+        };
+        let rule = OrphanRule { continuation: self.continuation, bridges: &bridges, weight: &weight };
+        let field = Field::new(pair, map, similarity.rotation, self.sampling == Sampling::Points, rule)?;
+        let is_linear = self.gaps == Gaps::Tetrahedra;
+        let gaps = if is_linear {
+            AllGaps::none()
+        } else {
+            AllGaps::new(pair, map, self.term_weights.gaps, |t| field.is_orphan(t))?
+        };
 
         let components = target.components();
         let mut orphan_component = vec![true; components.count()];
@@ -154,14 +179,17 @@ impl Transfer for MultiComponent {
             None => None,
         };
         let held = prior.as_ref().map_or(&[][..], |prior| &prior.weights);
-        let system = System::new(target, &gaps, self.term_weights, held, |t| field.is_orphan(t), is_orphan_vertex)?;
+        let spanned = pair.proximity.filter(|_| is_linear);
+        let details = if is_linear { 0.0 } else { self.term_weights.details };
+        let weights = TermWeights { details, ..self.term_weights };
+        let system = System::new(target, &gaps.gaps, spanned, weights, held, |t| field.is_orphan(t), is_orphan_vertex)?;
         let orphans: Vec<usize> = (0..orphan_component.len()).filter(|&c| orphan_component[c]).collect();
         let stiff: &[usize] = if self.orphans == Orphans::Rigid { &orphans } else { &[] };
         let rigid = Rigid::new(target, &self.rigid, stiff)?;
+        let mut figures = crate::gradient::figures(&alignment);
         let placement = self.placement.bind(pair, alignment)?;
         let foot_contacts = FootContacts::new(pair, &self.foot_contacts, &system)?;
 
-        let mut figures = crate::gradient::figures(&similarity);
         figures.set("components", components.count());
         figures.set("orphan_components", orphans.len());
         if !orphans.is_empty() {
@@ -175,12 +203,13 @@ impl Transfer for MultiComponent {
             ));
         }
         figures.set("orphan_triangles", field.counts()[2]);
-        figures.set("gaps", gaps.len());
-        figures.set("gaps_of_known_length_only", gaps.iter().filter(|gap| gap.is_loose()).count());
+        figures.set("gaps", gaps.gaps.len());
+        figures.set("gaps_of_known_length_only", gaps.gaps.iter().filter(|gap| gap.is_loose()).count());
         figures.set("rigid_components", rigid.count());
         let around = target.triangles_around();
         Ok(Box::new(Bound {
             gaps_keep: self.gaps,
+            continuation: self.continuation,
             continue_neighbours: self.term_weights.smoothness > 0.0,
             sequence: self.sequence,
             max_steps: self.max_steps,
@@ -210,7 +239,9 @@ impl Transfer for MultiComponent {
             component.resolve(pair.target, &components)?;
         }
         FootContacts::check(pair, &self.foot_contacts)?;
-        if !self.foot_contacts.is_empty() && !matches!(self.placement, Placement::Motion | Placement::Markers) {
+        if !self.foot_contacts.is_empty()
+            && !matches!(self.placement, Placement::Motion | Placement::Markers | Placement::Marker(_))
+        {
             return Err(Error::data(
                 "`plants` and `placement` both say what stands still",
                 "leave out one of them: between plants, `placement: motion` or `placement: markers` moves the target",

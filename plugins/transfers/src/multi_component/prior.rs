@@ -21,7 +21,6 @@ pub struct Prior {
     pub weights: Vec<f64>,
     /// 1/σ², and 0 for vertices of orphan components.
     nearness: Vec<f64>,
-    diagonal: f64,
 }
 
 impl Prior {
@@ -43,7 +42,6 @@ impl Prior {
             gradients: DeformationGradients::new(&target.positions, &target.triangles),
             nearness: (0..mass.len()).map(nearness).collect(),
             weights: mass.into_iter().map(|mass| weight * mass / diagonal.powi(2)).collect(),
-            diagonal,
         })
     }
 
@@ -80,10 +78,8 @@ impl Prior {
         each.zip(&self.weights).map(|(rho, weight)| weight * rho).sum()
     }
 
-    /// How far two sets of goals are apart: root mean square over the surface, in diagonals; `None` if E5 has no weight.
-    pub fn distance(&self, a: &[Point3<f64>], b: &[Point3<f64>]) -> Option<f64> {
-        let squares = a.iter().zip(b).zip(&self.weights).map(|((a, b), weight)| weight * (a - b).norm_squared());
-        let total: f64 = self.weights.iter().sum();
-        (total > 0.0).then(|| (squares.sum::<f64>() / total).sqrt() / self.diagonal)
+    /// Whether E5 has a weight.
+    pub fn has_weight(&self) -> bool {
+        self.weights.iter().sum::<f64>() > 0.0
     }
 }

@@ -5,11 +5,16 @@ use mimesh_core::{
     linalg::{Assembly, Cholesky},
     mesh::Surface,
     operators::{Gradient, Tetrahedron, cotangent_laplacian, gradients},
+    stage::ProximityGraph,
 };
 use nalgebra::{Matrix3, Point3, Vector3};
 use nalgebra_sparse::CscMatrix;
 
-use super::{gaps::Gap, term_weights::TermWeights};
+use super::{
+    gaps::Gap,
+    term_weights::TermWeights,
+    tetrahedra::{Bridge, bridges},
+};
 
 /// How strongly a triangle without area holds its edges, in units of cotangent weight.
 const DEGENERATE_WEIGHT: f64 = 1e-4;
@@ -22,21 +27,41 @@ const REGULARIZATION_WEIGHT: f64 = 1e-9;
 pub struct System {
     cholesky: Cholesky,
     rest: Vec<Point3<f64>>,
+    diagonal: f64,
     triangles: Vec<[u32; 3]>,
     /// The factor of a gradient in the right-hand side of each corner, by columns (E1, and a little for every triangle).
     rhs_of_gradient: Vec<Matrix3<f64>>,
     /// Their gradients and weights.
     gradients: Vec<Option<(Gradient, f64)>>,
-    /// Neighbouring orphans (E2): both tetrahedra and the weight.
-    smooth_pairs: Vec<(Tetrahedron, Tetrahedron, f64)>,
-    /// Orphans with a corresponding neighbour, by which they are held (E2): tetrahedron, neighbour, weight.
-    held: Vec<(Tetrahedron, u32, f64)>,
+    /// Neighbouring orphans (E2).
+    smooth_pairs: Vec<SmoothPair>,
+    /// Orphans with a corresponding neighbour, by which they are held (E2).
+    held: Vec<Held>,
+    /// Tetrahedra across gaps that are to deform alike, with their weights.
+    bridges: Vec<(Bridge, f64)>,
     /// The Laplacian of orphan components (E4), times w4 on the right-hand side.
     detail: Option<Detail>,
     unknowns: usize,
     anchor: u32,
     /// β of E5; empty for none.
     prior: Vec<f64>,
+}
+
+/// Two orphans side by side.
+#[derive(Debug)]
+struct SmoothPair {
+    triangles: [u32; 2],
+    elements: [Tetrahedron; 2],
+    weight: f64,
+}
+
+/// An orphan beside a triangle that corresponds.
+#[derive(Debug)]
+struct Held {
+    triangle: u32,
+    neighbour: u32,
+    element: Tetrahedron,
+    weight: f64,
 }
 
 /// E4 of orphan components.
@@ -50,11 +75,58 @@ pub struct Detail {
     weight: f64,
 }
 
+/// The differences between deformation gradients of orphans and of their neighbours that E2 is to have.
+#[derive(Clone, Copy)]
+pub enum Continued<'a> {
+    /// None, as in the paper.
+    Alike,
+    /// Those of a field (#F) in which orphans continue their neighbours.
+    As(&'a [Matrix3<f64>]),
+}
+
+/// By how much a term w ‖d − ‖e‖ n‖², with n = d/‖d‖ held, is stiffer than w (‖d‖ − ‖e‖)² sideways of d.
+#[derive(Clone, Copy, Debug)]
+pub struct Sideways {
+    direction: Vector3<f64>,
+    stiffness: f64,
+}
+
+impl Sideways {
+    /// No difference.
+    pub const NONE: Self = Self { direction: Vector3::new(0.0, 0.0, 0.0), stiffness: 0.0 };
+
+    /// For d = `now`, ‖e‖ = `length` and w = `weight`.
+    ///
+    /// The second derivative of the energy is 1 − ‖e‖/‖d‖ there, and counts as 0 where it is negative.
+    pub fn new(now: Vector3<f64>, length: f64, weight: f64) -> Self {
+        match now.try_normalize(1e-300) {
+            Some(direction) => Self { direction, stiffness: weight * (length / now.norm()).min(1.0) },
+            None => Self::NONE,
+        }
+    }
+
+    /// The difference times a change of d.
+    pub fn of(&self, change: Vector3<f64>) -> Vector3<f64> {
+        (change - self.direction * self.direction.dot(&change)) * self.stiffness
+    }
+}
+
+impl Continued<'_> {
+    fn difference(self, [a, b]: [u32; 2]) -> Matrix3<f64> {
+        match self {
+            Self::Alike => Matrix3::zeros(),
+            Self::As(field) => field[a as usize] - field[b as usize],
+        }
+    }
+}
+
 impl System {
-    /// Factors the system; `orphan_component` says which vertices belong to components without any correspondence.
+    /// Factors the system; `graph` has the links whose gaps are spanned by tetrahedra, and `orphan_component` says which vertices
+    /// belong to components without any correspondence.
     pub fn new(
         target: &Surface,
         gaps: &[Gap],
+        graph: Option<&ProximityGraph>,
         weights: TermWeights,
         prior: &[f64],
         is_orphan: impl Fn(usize) -> bool,
@@ -72,6 +144,7 @@ impl System {
                 Some(Tetrahedron::over(target.triangles[t], unknowns as u32 - 1, &target.corners(&target.positions, t)))
             })
             .collect();
+        let bridges = bridges(target, graph, &mut unknowns);
         let mut assembly = Assembly::new(unknowns);
         let mut rhs_of_gradient = Vec::with_capacity(gradients.len());
         for (t, gradient) in gradients.iter().enumerate() {
@@ -85,7 +158,7 @@ impl System {
             );
             rhs_of_gradient.push(match gradient {
                 Some(Gradient { of_corners: g, area }) if !is_orphan(t) => {
-                    let w = weights.gradient * area;
+                    let w = weights.gradient * weights.of_triangle(*area);
                     let rows: [[f64; 3]; 3] = std::array::from_fn(|i| g.column(i).into_owned().into());
                     assembly.add_outer(corners, &rows, w);
                     slight + g * w
@@ -94,21 +167,34 @@ impl System {
             });
         }
         let area = |t: usize| gradients[t].map_or(0.0, |g| g.area);
+        let weighted = |bridge: Bridge| {
+            let areas = bridge.triangles.map(|t| area(t as usize));
+            let weight = weights.smoothness * bridge.stiffness * weights.of_pair(areas, false);
+            (bridge, weight)
+        };
+        let bridges: Vec<(Bridge, f64)> = bridges.into_iter().map(weighted).collect();
+        for (Bridge { elements: [a, b], .. }, weight) in &bridges {
+            a.add_smoothness(b, *weight, &mut assembly);
+        }
         let (mut held, mut smooth_pairs) = (Vec::new(), Vec::new());
         for [a, b] in target.topology().adjacent {
-            let weight = weights.smoothness * (area(a as usize) + area(b as usize)) / 2.0;
+            let both = tetrahedra[a as usize].is_some() && tetrahedra[b as usize].is_some();
+            let weight = weights.smoothness * weights.of_pair([area(a as usize), area(b as usize)], both);
             match (&tetrahedra[a as usize], &tetrahedra[b as usize]) {
-                (Some(a), Some(b)) => smooth_pairs.push((a.clone(), b.clone(), weight)),
-                (Some(orphan), None) => held.push((orphan.clone(), b, weight)),
-                (None, Some(orphan)) => held.push((orphan.clone(), a, weight)),
+                (Some(on_a), Some(on_b)) => {
+                    on_a.add_smoothness(on_b, weight, &mut assembly);
+                    smooth_pairs.push(SmoothPair { triangles: [a, b], elements: [on_a.clone(), on_b.clone()], weight });
+                }
+                (Some(element), None) => {
+                    held.push(Held { triangle: a, neighbour: b, element: element.clone(), weight })
+                }
+                (None, Some(element)) => {
+                    held.push(Held { triangle: b, neighbour: a, element: element.clone(), weight })
+                }
                 (None, None) => {}
             }
         }
-        smooth_pairs
-            .iter()
-            .for_each(|(a, b, weight): &(Tetrahedron, Tetrahedron, f64)| a.add_smoothness(b, *weight, &mut assembly));
-        let mut nowhere = vec![0.0; 3 * unknowns];
-        held.iter().for_each(|(orphan, _, w)| orphan.add_target(&Matrix3::identity(), *w, &mut assembly, &mut nowhere));
+        held.iter().for_each(|held| assembly.add_outer(&held.element.unknowns, &held.element.gradient, held.weight));
         for gap in gaps {
             assembly.add_outer(&gap.ends, &[[1.0], [-1.0]], gap.weight);
         }
@@ -121,16 +207,20 @@ impl System {
             assembly.add(anchor as usize, anchor as usize, 1.0);
         }
         prior.iter().enumerate().for_each(|(v, &weight)| assembly.add(v, v, weight));
-        let known = |t: usize| gradients[t].filter(|_| !is_orphan(t)).map(|g| (g, weights.gradient * g.area));
+        let known = |t: usize| {
+            gradients[t].filter(|_| !is_orphan(t)).map(|g| (g, weights.gradient * weights.of_triangle(g.area)))
+        };
         let cholesky = Cholesky::new(assembly.finish(), "the system of the target's components")?;
         Ok(Self {
             cholesky,
             rest: target.positions.clone(),
+            diagonal: target.diagonal(),
             triangles: target.triangles.clone(),
             rhs_of_gradient,
             gradients: (0..gradients.len()).map(known).collect(),
             smooth_pairs,
             held,
+            bridges,
             detail,
             unknowns,
             anchor,
@@ -138,8 +228,9 @@ impl System {
         })
     }
 
-    /// The part of the right-hand side that does not change within a pose.
-    pub fn rhs(&self, field: &[Matrix3<f64>]) -> Vec<f64> {
+    /// The part of the right-hand side that does not change within a pose, for gradients `field` of triangles that correspond and
+    /// the differences between orphans and their neighbours that E2 is to have.
+    pub fn rhs(&self, field: &[Matrix3<f64>], continued: Continued<'_>) -> Vec<f64> {
         let n = self.unknowns;
         let mut rhs = vec![0.0; 3 * n];
         for ((t, of_gradient), f) in self.triangles.iter().zip(&self.rhs_of_gradient).zip(field) {
@@ -148,15 +239,20 @@ impl System {
                 (0..3).for_each(|c| rhs[c * n + v as usize] += b[(c, k)]);
             }
         }
-        for (orphan, neighbour, weight) in &self.held {
-            orphan.add_target_rhs(&field[*neighbour as usize], *weight, &mut rhs);
+        for held in &self.held {
+            let goal = field[held.neighbour as usize] + continued.difference([held.triangle, held.neighbour]);
+            held.element.add_target_rhs(&goal, held.weight, &mut rhs);
+        }
+        for pair in &self.smooth_pairs {
+            let goal = continued.difference(pair.triangles);
+            pair.elements[0].add_target_rhs(&goal, pair.weight, &mut rhs);
+            pair.elements[1].add_target_rhs(&-goal, pair.weight, &mut rhs);
         }
         rhs
     }
 
-    /// The unknowns that minimise the energy for gaps `vectors`, Laplacian coordinates `details` and, with E5, vertices drawn to
-    /// `goals`.
-    pub fn solve(
+    /// The right-hand side for gaps `vectors`, Laplacian coordinates `details` and, with E5, vertices drawn to `goals`.
+    pub fn right_hand_side(
         &self,
         rhs: &[f64],
         gaps: &[Gap],
@@ -179,8 +275,19 @@ impl System {
         for (v, (weight, goal)) in self.prior.iter().zip(goals).enumerate() {
             (0..3).for_each(|c| x[c * n + v] += weight * (goal[c] - anchor[c]));
         }
-        self.cholesky.solve_in_place(&mut x, 3);
         x
+    }
+
+    /// Replaces a right-hand side by the unknowns that solve it.
+    pub fn solve_in_place(&self, x: &mut [f64]) {
+        self.cholesky.solve_in_place(x, 3);
+    }
+
+    /// The longest way of a vertex in a difference of unknowns.
+    pub fn longest(&self, way: &[f64]) -> f64 {
+        let n = self.unknowns;
+        let length = |v: usize| Vector3::new(way[v], way[n + v], way[2 * n + v]).norm();
+        (0..self.rest.len()).map(length).fold(0.0, f64::max)
     }
 
     /// How the unknowns of one coordinate answer to a unit force at the mean of `points` (vertices with weights that sum to 1).
@@ -209,8 +316,35 @@ impl System {
     /// E4's Laplacian coordinates at rest, turned by what `rotation` says of each vertex.
     pub fn turned_details(&self, rotation: impl Fn(u32) -> Matrix3<f64>) -> Vec<Vector3<f64>> {
         let Some(detail) = &self.detail else { return vec![] };
-        let at_rest = coordinates(&detail.laplacian, &detail.vertices, &self.rest);
+        let at_rest = coordinates(&detail.laplacian, &detail.vertices, |v| self.rest[v].coords);
         detail.vertices.iter().zip(at_rest).map(|(&v, d)| rotation(v) * d).collect()
+    }
+
+    /// By how much the matrix is stiffer than E4 sideways of the directions at `now`; empty if there is no orphan component.
+    pub fn sideways_of_details(&self, now: &[Point3<f64>]) -> Vec<Sideways> {
+        let Some(detail) = &self.detail else { return vec![] };
+        let now = coordinates(&detail.laplacian, &detail.vertices, |v| now[v].coords);
+        now.into_iter().zip(&detail.lengths).map(|(d, &length)| Sideways::new(d, length, detail.weight)).collect()
+    }
+
+    /// Subtracts the product of what [`sideways_of_details`](Self::sideways_of_details) gave and `direction`.
+    pub fn subtract_sideways_of_details(&self, sideways: &[Sideways], direction: &[f64], product: &mut [f64]) {
+        let Some(detail) = &self.detail else { return };
+        let n = self.unknowns;
+        let at = |v: usize| Vector3::new(direction[v], direction[n + v], direction[2 * n + v]);
+        let of_direction = coordinates(&detail.laplacian, &detail.vertices, at);
+        for ((&v, d), sideways) in detail.vertices.iter().zip(of_direction).zip(sideways) {
+            let force = sideways.of(d);
+            let column = detail.laplacian.col(v as usize);
+            for (&i, &value) in column.row_indices().iter().zip(column.values()) {
+                (0..3).for_each(|c| product[c * n + i] -= value * force[c]);
+            }
+        }
+    }
+
+    /// The diagonal of the target at rest.
+    pub fn diagonal(&self) -> f64 {
+        self.diagonal
     }
 
     /// Whether any component is an orphan that E4 holds.
@@ -219,7 +353,7 @@ impl System {
     }
 
     /// E1 + E2 + E4 of a solution; E3 is the gaps' own, E5 the prior's.
-    pub fn energy(&self, x: &[f64], field: &[Matrix3<f64>]) -> f64 {
+    pub fn energy(&self, x: &[f64], field: &[Matrix3<f64>], continued: Continued<'_>) -> f64 {
         let positions = self.positions(x);
         let at = |i: u32, c: usize| x[c * self.unknowns + i as usize];
         let mut energy = self.detail.as_ref().map_or(0.0, |detail| detail.energy(&positions));
@@ -228,11 +362,17 @@ impl System {
             let projection = gradient.of_posed(&t.map(|v| self.rest[v as usize]));
             energy += weight * (f * projection - gradient.of_posed(&t.map(|v| positions[v as usize]))).norm_squared();
         }
-        for (orphan, neighbour, weight) in &self.held {
-            energy += weight * (orphan.deformation_gradient(at) - field[*neighbour as usize]).norm_squared();
-        }
-        for (a, b, weight) in &self.smooth_pairs {
+        for (Bridge { elements: [a, b], .. }, weight) in &self.bridges {
             energy += weight * (a.deformation_gradient(at) - b.deformation_gradient(at)).norm_squared();
+        }
+        for held in &self.held {
+            let goal = field[held.neighbour as usize] + continued.difference([held.triangle, held.neighbour]);
+            energy += held.weight * (held.element.deformation_gradient(at) - goal).norm_squared();
+        }
+        for pair in &self.smooth_pairs {
+            let [a, b] = &pair.elements;
+            let difference = a.deformation_gradient(at) - b.deformation_gradient(at);
+            energy += pair.weight * (difference - continued.difference(pair.triangles)).norm_squared();
         }
         energy
     }
@@ -263,13 +403,14 @@ impl Detail {
             let rows: Vec<[f64; 1]> = column.values().iter().map(|&x| [x]).collect();
             assembly.add_outer(&indices, &rows, weight);
         }
-        let lengths = coordinates(&laplacian, &vertices, &target.positions).iter().map(Vector3::norm).collect();
+        let lengths =
+            coordinates(&laplacian, &vertices, |v| target.positions[v].coords).iter().map(Vector3::norm).collect();
         Some(Self { laplacian, vertices, lengths, weight })
     }
 
     /// δ̂ᵢ = (L x)ᵢ ‖(L v)ᵢ‖ / ‖(L x)ᵢ‖: the direction from now, the length from rest.
     fn goals(&self, now: &[Point3<f64>]) -> Vec<Vector3<f64>> {
-        let coordinates = coordinates(&self.laplacian, &self.vertices, now);
+        let coordinates = coordinates(&self.laplacian, &self.vertices, |v| now[v].coords);
         let goal = |(d, length): (&Vector3<f64>, &f64)| d.try_normalize(1e-300).unwrap_or_default() * *length;
         coordinates.iter().zip(&self.lengths).map(goal).collect()
     }
@@ -285,17 +426,21 @@ impl Detail {
     }
 
     fn energy(&self, now: &[Point3<f64>]) -> f64 {
-        let coordinates = coordinates(&self.laplacian, &self.vertices, now);
+        let coordinates = coordinates(&self.laplacian, &self.vertices, |v| now[v].coords);
         let difference = |(d, length): (&Vector3<f64>, &f64)| (d.norm() - length).powi(2);
         self.weight * coordinates.iter().zip(&self.lengths).map(difference).sum::<f64>()
     }
 }
 
-/// (L x)ᵢ of some vertices.
-fn coordinates(laplacian: &CscMatrix<f64>, vertices: &[u32], positions: &[Point3<f64>]) -> Vec<Vector3<f64>> {
+/// (L x)ᵢ of some vertices, x being at `position` of each.
+fn coordinates(
+    laplacian: &CscMatrix<f64>,
+    vertices: &[u32],
+    position: impl Fn(usize) -> Vector3<f64>,
+) -> Vec<Vector3<f64>> {
     let at = |&v: &u32| {
         let column = laplacian.col(v as usize);
-        column.row_indices().iter().zip(column.values()).map(|(&i, &w)| positions[i].coords * w).sum()
+        column.row_indices().iter().zip(column.values()).map(|(&i, &w)| position(i) * w).sum()
     };
     vertices.iter().map(at).collect()
 }
