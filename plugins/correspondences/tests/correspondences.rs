@@ -5,7 +5,12 @@ use mimesh_core::{
     stage::{Correspondence, Marker, TransferPair},
     testkit::{meshes, random::Random},
 };
-use mimesh_correspondences::{from_file::FromFile, identity::Identity, nearest::Nearest, nonrigid_fit::NonrigidFit};
+use mimesh_correspondences::{
+    from_file::FromFile,
+    identity::Identity,
+    nearest::Nearest,
+    nonrigid_fit::{NonrigidFit, Weighting},
+};
 use nalgebra::{Point3, Rotation3, Vector3};
 
 /// An ellipsoid with three different axes and a bump, so that no turn maps it to itself.
@@ -157,6 +162,36 @@ fn triangles_far_from_the_source_are_orphans_unless_they_have_a_marker() {
             assert!(map.triangles[t].is_some(), "triangle {t} has a marker");
         }
     }
+}
+
+#[test]
+fn plain_sums_are_means_over_the_area_times_their_numbers_where_all_triangles_are_alike() {
+    // An icosahedron has 20 triangles and 12 vertices of one area; the usual mesh of the means has 40,000 and 20,000.
+    let (source, target) = (potato(3), meshes::icosphere(0));
+    let marker = |v: u32| {
+        let along = |u: &u32| source.positions[*u as usize].coords.dot(&target.positions[v as usize].coords);
+        let at = (0..source.vertex_count() as u32).max_by(|a, b| along(a).total_cmp(&along(b))).unwrap();
+        Marker { name: v.to_string(), source: SurfacePoint::Vertex(at), target: SurfacePoint::Vertex(v) }
+    };
+    let markers = [0, 3, 6, 9].map(marker);
+    let pair = TransferPair { source: &source, target: &target, markers: &markers, proximity: None };
+    let means = NonrigidFit { identity: 0.01, closest: [1.0, 50.0], max_distance: 1.0, ..NonrigidFit::default() };
+    let sums = NonrigidFit {
+        weighting: Weighting::Uniform,
+        identity: 0.01 * 40_000.0 / 20.0,
+        closest: [20_000.0 / 12.0, 50.0 * 20_000.0 / 12.0],
+        ..means.clone()
+    };
+    let places = |fit: &NonrigidFit| {
+        let map = fit.correspond(pair).unwrap();
+        map.points.iter().map(|point| point.unwrap().position(&source, &source.positions)).collect::<Vec<_>>()
+    };
+    for (a, b) in places(&means).iter().zip(places(&sums)) {
+        // The same system but for rounding of its weights, of a condition of about 1e5.
+        assert!((a - b).norm() < 1e-9, "{a} {b}");
+    }
+    let other = NonrigidFit { weighting: Weighting::Uniform, ..means.clone() };
+    assert_ne!(places(&means), places(&other), "the setting does something");
 }
 
 #[test]

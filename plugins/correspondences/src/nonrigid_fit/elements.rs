@@ -9,7 +9,7 @@ use mimesh_core::{
 };
 use nalgebra::{Matrix3, Point3};
 
-use super::{link_elements::link_elements, ties::ties, unit_frame::UnitFrame};
+use super::{Weighting, link_elements::link_elements, ties::ties, unit_frame::UnitFrame};
 
 /// Numbers of a usual mesh, for which the papers' weights are meant.
 const REFERENCE_TRIANGLES: f64 = 40_000.0;
@@ -33,6 +33,10 @@ pub struct EnergyWeights {
     pub identity: f64,
     /// w_R, relative to the two others.
     pub proximity: f64,
+    /// How triangles and vertices count.
+    pub weighting: Weighting,
+    /// Most vertex pairs of a link that count in E_R; all if `None`.
+    pub link_pairs: Option<usize>,
 }
 
 /// The triangles of the target with their fourth vertices, each a tetrahedron with a constant deformation gradient.
@@ -68,13 +72,16 @@ impl<'a> Elements<'a> {
         let n = self.unknowns;
         let mut assembly = Assembly::new(n);
         let mut rhs = vec![0.0; 3 * n];
-        let EnergyWeights { smoothness, identity, proximity } = weights;
+        let EnergyWeights { smoothness, identity, proximity, weighting, link_pairs } = weights;
         let rest = Matrix3::identity();
         let areas = self.surface.area_normals(&unit.target);
         let area: f64 = areas.iter().map(|n| n.norm()).sum();
         for (element, n) in self.elements.iter().zip(&areas) {
             if let Some(element) = element {
-                let share = n.norm() / area * REFERENCE_TRIANGLES;
+                let share = match weighting {
+                    Weighting::Area => n.norm() / area * REFERENCE_TRIANGLES,
+                    Weighting::Uniform => 1.0,
+                };
                 element.add_target(&rest, identity * share, &mut assembly, &mut rhs);
             }
         }
@@ -83,7 +90,8 @@ impl<'a> Elements<'a> {
                 a.add_smoothness(b, smoothness, &mut assembly);
             }
         }
-        let links = pair.proximity.map(|graph| link_elements(&unit.target, self.surface, graph, &self.elements));
+        let links =
+            pair.proximity.map(|graph| link_elements(&unit.target, self.surface, graph, &self.elements, link_pairs));
         let links = links.unwrap_or_default();
         for (a, b, stiffness) in &links {
             let weight = stiffness * proximity;
@@ -91,7 +99,7 @@ impl<'a> Elements<'a> {
             a.add_target(&rest, weight * identity, &mut assembly, &mut rhs);
             b.add_target(&rest, weight * identity, &mut assembly, &mut rhs);
         }
-        for tie in ties(&unit.target, pair, &self.elements, &links) {
+        for tie in ties(&unit.target, pair, &self.elements, &links, link_pairs) {
             tie.add(&unit.target, smoothness, &mut assembly, &mut rhs);
         }
         let mut fixed = Vec::new();
@@ -115,7 +123,11 @@ impl<'a> Elements<'a> {
         }
         let system = FixedUnknowns::new(&assembly.finish(), &fixed, "the fit of the target to the markers")?;
         let total: f64 = self.mass.iter().sum();
-        let share = |mass: &f64| if total > 0.0 { mass / total * REFERENCE_VERTICES } else { 0.0 };
+        let share = |mass: &f64| match weighting {
+            Weighting::Area if total > 0.0 => mass / total * REFERENCE_VERTICES,
+            Weighting::Area => 0.0,
+            Weighting::Uniform => 1.0,
+        };
         let share = self.mass.iter().map(share).collect();
         Ok(System { system, rhs, values: values.concat(), share, weight: 0.0, x: vec![] })
     }
@@ -151,7 +163,7 @@ pub struct System {
     rhs: Vec<f64>,
     /// Positions of fixed unknowns, by columns.
     values: Vec<f64>,
-    /// Area of each vertex relative to the whole, times the usual number of vertices.
+    /// How much each vertex counts in E_C.
     share: Vec<f64>,
     weight: f64,
     /// All unknowns of the last solution, by columns.

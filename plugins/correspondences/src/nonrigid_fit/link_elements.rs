@@ -9,9 +9,6 @@ use mimesh_core::{
 };
 use nalgebra::{Matrix3, Point3, Vector3};
 
-/// Most pairs of a link that get elements; more say the same and only fill the matrix.
-const MAX_PAIRS: usize = 12;
-
 /// A tetrahedron lower than this part of its base's size counts as flat.
 const MIN_RELATIVE_HEIGHT: f64 = 0.1;
 
@@ -29,11 +26,12 @@ pub fn link_elements(
     surface: &Surface,
     graph: &ProximityGraph,
     own: &[Option<Tetrahedron>],
+    most_pairs: Option<usize>,
 ) -> Vec<LinkElements> {
     let sound = SoundTriangles::new(rest, surface, &graph.components, own);
     let mut result = Vec::new();
     for link in graph.links() {
-        for [i, j] in spread_pairs(link) {
+        for [i, j] in spread_pairs(link, most_pairs) {
             let Some((a, b)) = opposite(rest, surface, &sound.near(i), &sound.near(j)) else { continue };
             let on_a = tetrahedron(rest, surface.triangles[a], surface.triangles[b]);
             let on_b = tetrahedron(rest, surface.triangles[b], surface.triangles[a]);
@@ -44,9 +42,9 @@ pub fn link_elements(
     result
 }
 
-/// The vertex pairs of a link that get elements.
-pub fn spread_pairs(link: &Link) -> impl Iterator<Item = [u32; 2]> {
-    let step = link.pairs.len().div_ceil(MAX_PAIRS).max(1);
+/// The vertex pairs of a link that get elements: at most so many, or all, spread over the link.
+pub fn spread_pairs(link: &Link, most: Option<usize>) -> impl Iterator<Item = [u32; 2]> {
+    let step = link.pairs.len().div_ceil(most.unwrap_or(usize::MAX)).max(1);
     link.pairs.iter().copied().step_by(step)
 }
 
@@ -135,4 +133,19 @@ fn tetrahedron(rest: &[Point3<f64>], base: [u32; 3], other: [u32; 3]) -> Option<
     }
     let frame = Matrix3::from_columns(&[b - a, c - a, rest[apex as usize] - a]);
     Some(Tetrahedron::new([base[0], base[1], base[2], apex], &frame))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn all_pairs_count_or_some_that_are_spread_over_the_link() {
+        let pairs: Vec<[u32; 2]> = (0..100).map(|i| [i, 100 + i]).collect();
+        let link = Link { components: [0, 1], distance: 1.0, in_tree: true, stiffness: 1.0, pairs: pairs.clone() };
+        assert!(spread_pairs(&link, None).eq(pairs));
+        let some: Vec<_> = spread_pairs(&link, Some(12)).collect();
+        assert!(some.len() <= 12 && some[0] == [0, 100] && some[some.len() - 1][0] > 88, "{some:?}");
+        assert!(spread_pairs(&link, Some(200)).eq(link.pairs.clone()));
+    }
 }

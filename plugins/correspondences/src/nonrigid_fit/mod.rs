@@ -14,7 +14,7 @@
 //!   scaled to a diagonal of 1;
 //! - E_I and E_C are means over the area, times the numbers of triangles and vertices of a usual mesh (40,000 and 20,000),
 //!   because E_S does not grow with the number of triangles either: so weights mean the same at any resolution, and a finely
-//!   meshed face does not outweigh a leg;
+//!   meshed face does not outweigh a leg (`weighting: uniform` for plain sums);
 //! - the search for closest points skips triangles that face away, instead of dropping vertices whose nearest point does; inner
 //!   sides of the parts of a target of several components take the closest point whichever way it faces;
 //! - a small component that has come to lie on two sides of the source, as a plate between the legs, moves to one (`patches`);
@@ -22,7 +22,7 @@
 //!   (`ties`);
 //! - Zhou et al. print the rule for pairs the wrong way round (end of 2.2): here a triangle with a marker or a valid closest
 //!   point has a partner, and one without is an orphan;
-//! - E_R takes at most a dozen vertex pairs a link, and its weight w_R is a setting;
+//! - E_R takes at most `link_pairs` vertex pairs a link, and its weight w_R is a setting;
 //! - beside partners of triangles, the map tells the source point under each vertex.
 //!
 //! Cost: one symbolic and 1 + `steps` numeric factorisations of a matrix of #V + #F of the target.
@@ -75,6 +75,11 @@ pub struct NonrigidFit {
     /// How strongly linked components follow each other (E_R), relative to `smoothness` and `identity`; 1 as in the paper.
     #[schemars(range(min = 0.0))]
     pub proximity: f64,
+    /// How triangles and vertices count in E_I and E_C.
+    pub weighting: Weighting,
+    /// Most vertex pairs of a link that count in E_R; more say the same and only fill the matrix. `~` takes all, as in the paper.
+    #[schemars(range(min = 1))]
+    pub link_pairs: Option<usize>,
     /// w_C in the first and in the last step with closest points; it grows geometrically in between.
     #[schemars(inner(range(min = 0.0)))]
     pub closest: [f64; 2],
@@ -99,6 +104,8 @@ impl Default for NonrigidFit {
             smoothness: 1.0,
             identity: 0.01,
             proximity: 1.0,
+            weighting: Weighting::Area,
+            link_pairs: Some(12),
             closest: [1.0, 5000.0],
             steps: 10,
             max_distance: 0.05,
@@ -106,6 +113,17 @@ impl Default for NonrigidFit {
             orientation: Orientation::Auto,
         }
     }
+}
+
+/// How triangles and vertices count in the sums of an energy.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Weighting {
+    /// By their share of the area, so that weights mean the same at any resolution.
+    #[default]
+    Area,
+    /// All alike, as the papers print.
+    Uniform,
 }
 
 #[typetag::serde(name = "nonrigid_fit")]
@@ -163,8 +181,8 @@ impl NonrigidFit {
     ) -> Result<(Vec<Point3<f64>>, Points, Figures)> {
         let triangles = &pair.target.triangles;
         let elements = Elements::new(&unit.target, pair.target);
-        let NonrigidFit { smoothness, identity, proximity, .. } = *self;
-        let weights = EnergyWeights { smoothness, identity, proximity };
+        let NonrigidFit { smoothness, identity, proximity, weighting, link_pairs, .. } = *self;
+        let weights = EnergyWeights { smoothness, identity, proximity, weighting, link_pairs };
         let mut system = elements.system(weights, pair, unit)?;
         let mut fit = system.solve(&[]);
         let found = |fit: &[Point3<f64>]| facing.points(fit, &vertex_normals(fit, triangles), self.max_distance);

@@ -50,6 +50,7 @@ pub fn ties(
     pair: TransferPair<'_>,
     elements: &[Option<Tetrahedron>],
     links: &[LinkElements],
+    most_pairs: Option<usize>,
 ) -> Vec<Tie> {
     let surface = pair.target;
     let mut held = held_together(rest.len(), pair, elements, links);
@@ -61,7 +62,7 @@ pub fn ties(
         .collect();
     for link in pair.proximity.into_iter().flat_map(|graph| graph.links()) {
         if link.pairs.first().is_some_and(|&[i, j]| !held.equiv(i, j)) {
-            for pair in spread_pairs(link) {
+            for pair in spread_pairs(link, most_pairs) {
                 held.union(pair[0], pair[1]);
                 ties.push(Tie::strong(pair, rest, link.stiffness));
             }

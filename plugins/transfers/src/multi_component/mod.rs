@@ -44,9 +44,7 @@ use serde::{Deserialize, Serialize};
 
 use self::{bound::Bound, foot_contacts::FootContacts, gaps::AllGaps, prior::Prior, rigid::Rigid, system::System};
 pub use self::{foot_contacts::FootContact, gaps::Gaps, term_weights::TermWeights};
-use crate::{
-    Continuation, Placement, alignment::Alignment, extension::OrphanRule, field::Field, gradient::Sampling,
-};
+use crate::{Continuation, Placement, alignment::Alignment, extension::OrphanRule, field::Field, gradient::Sampling};
 
 /// Triangles of less area than this part of the mean tie orphans to their neighbours as strongly as if they had it.
 const MIN_RELATIVE_AREA: f64 = 1e-6;
