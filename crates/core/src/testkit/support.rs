@@ -35,8 +35,7 @@ pub(super) fn bent_bar() -> Surface {
     surface
 }
 
-/// The surface with a triangle that has a corner twice, as poles of exported spheres have, one without area, and an
-/// unreferenced vertex.
+/// The surface with a triangle that has a corner twice, as poles of exported spheres have, and one without area.
 pub(super) fn with_defects(surface: Surface) -> Surface {
     let (mut positions, mut triangles) = (surface.positions, surface.triangles);
     let [a, b, _] = triangles[7];
@@ -44,7 +43,6 @@ pub(super) fn with_defects(surface: Surface) -> Surface {
     let middle = nalgebra::center(&positions[a as usize], &positions[b as usize]);
     positions.push(middle);
     triangles.push([a, b, positions.len() as u32 - 1]);
-    positions.push(Point3::new(0.3, 2.0, 0.1));
     Surface::from_triangles(positions, triangles).expect("finite positions and existing corners")
 }
 
