@@ -269,8 +269,8 @@ fn placeholders_in_the_wrong_place() {
     let expected = [
         "p.yaml:5:22: the correspondence is one file, so its name cannot have `{pose}`",
         "p.yaml:6:10: `{pose}` in the name of a folder: poses share their folder",
-        "p.yaml:6:33: unknown placeholder `{who}`",
-        "p.yaml:6:53: out/{pose}.html shows all poses, so its name cannot have `{pose}`",
+        "p.yaml:6:32: unknown placeholder `{who}`",
+        "p.yaml:6:52: out/{pose}.html shows all poses, so its name cannot have `{pose}`",
     ];
     assert_eq!(diagnostics(&project, &[]), expected);
     // Another folder for the results does not hide them.

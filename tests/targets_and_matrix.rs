@@ -244,7 +244,7 @@ fn keys_that_exclude_each_other_are_reported() {
     assert_diagnostics(
         &(PIPELINE.replace("out/", "out/{matrix}/")
             + "matrix: { transfer.type: [copy_displacement], transfer: [{ type: gradient }, { type: copy_displacement }] }\n"),
-        &["p.yaml:6:48: `transfer.type` and `transfer` replace each other's values"],
+        &["p.yaml:6:47: `transfer.type` and `transfer` replace each other's values"],
     );
     for key in ["target.rest", "target", "target.generator.seed"] {
         let text = with_targets("targets: { a: { rest: target.obj }, b: { rest: rest.obj } }");
