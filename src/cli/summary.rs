@@ -4,7 +4,7 @@ use std::{fmt::Write, path::Path};
 
 use mimesh_core::Figures;
 use mimesh_pipeline::{
-    metrics::{Level, PrimaryStatistic, Reason, primary_statistics},
+    metrics::{Level, PrimaryStatistic, Reason, Verdict, primary_statistics},
     report::{MeshFigures, PoseReport, Report, Results, RunOutcome, StageReport},
     text::{bytes, count, number, pairs, seconds, table},
 };
@@ -111,8 +111,8 @@ fn count_status(results: &Results, status: &str) -> usize {
 
 /// The verdict with its reasons, after a table of the primary statistics of all metrics but `point_error`.
 fn verdicts(report: &Report) -> String {
-    let columns: Vec<_> =
-        primary_statistics(&report.poses).into_iter().filter(|column| column.metric != "point_error").collect();
+    let statistics = primary_statistics(&report.poses).into_iter().filter(|column| column.metric != "point_error");
+    let (shared, columns): (Vec<_>, Vec<_>) = statistics.partition(PrimaryStatistic::is_of_rest);
     let Some(worst) = report.verdict else { return String::new() };
     let mut text = String::new();
     if !columns.is_empty() {
@@ -132,6 +132,12 @@ fn verdicts(report: &Report) -> String {
         }
         let _ = write!(text, "\nmetrics (`mimesh show metric NAME` explains them)\n{}", table(&rows));
     }
+    let value = |column: &PrimaryStatistic| report.poses.iter().find_map(|pose| column.of(pose));
+    let name = |column: &PrimaryStatistic| format!("{} {}", column.metric, column.statistic).replace('_', " ");
+    let rows: Vec<_> = shared.iter().filter_map(|column| Some((name(column), number(value(column)?)))).collect();
+    if !rows.is_empty() {
+        let _ = write!(text, "\nmap and markers, the same for all poses\n{}", pairs(&rows));
+    }
     let _ = writeln!(text, "\nverdict: {}", worst.word());
     let lines = reasons(report, Level::Doubtful);
     lines.iter().take(MAX_ROWS).for_each(|line| text += &format!("  {line}\n"));
@@ -141,18 +147,35 @@ fn verdicts(report: &Report) -> String {
     text
 }
 
-/// A line for each pose whose verdict is `level` or worse, the worst first. Poses with the same reasons share a line.
+/// A line for map and markers and one for each pose, if the verdict on them is `level` or worse; poses come the worst first.
+///
+/// Poses with the same reasons share a line.
 pub fn reasons(report: &Report, level: Level) -> Vec<String> {
+    let of_rest = report.rest_verdict.as_ref().filter(|verdict| verdict.level >= level);
+    of_rest
+        .map(|verdict| format!("map and markers, {}", line(verdict)))
+        .into_iter()
+        .chain(of_poses(report, level))
+        .collect()
+}
+
+/// The level of a verdict and its first reasons.
+fn line(verdict: &Verdict) -> String {
+    let mut reasons: Vec<_> = verdict.reasons.iter().take(3).map(Reason::words).collect();
+    if verdict.reasons.len() > reasons.len() {
+        reasons.push(format!("and {} more", verdict.reasons.len() - reasons.len()));
+    }
+    format!("{}: {}", verdict.level.word(), reasons.join("; "))
+}
+
+/// The lines of [`reasons`] for poses.
+fn of_poses(report: &Report, level: Level) -> Vec<String> {
     let verdicts = report.poses.iter().filter_map(|pose| Some((pose, pose.verdict.as_ref()?)));
     let mut verdicts: Vec<_> = verdicts.filter(|(_, verdict)| verdict.level >= level).collect();
     verdicts.sort_by_key(|(_, verdict)| std::cmp::Reverse(verdict.level));
     let mut lines: Vec<(String, Vec<&str>)> = Vec::new();
     for (pose, verdict) in verdicts {
-        let mut reasons: Vec<_> = verdict.reasons.iter().take(3).map(Reason::words).collect();
-        if verdict.reasons.len() > reasons.len() {
-            reasons.push(format!("and {} more", verdict.reasons.len() - reasons.len()));
-        }
-        let line = format!("{}: {}", verdict.level.word(), reasons.join("; "));
+        let line = line(verdict);
         match lines.iter_mut().find(|(other, _)| *other == line) {
             Some((_, poses)) => poses.push(&pose.name),
             None => lines.push((line, vec![&pose.name])),

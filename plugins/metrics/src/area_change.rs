@@ -35,8 +35,8 @@ impl Metric for AreaChange {
     }
 
     fn statistics(&self) -> Vec<Statistic> {
-        let beyond = Limits { doubtful: 120.0, bad: 300.0 };
-        size_change::statistics(beyond, Limits { doubtful: 10.0, bad: 30.0 })
+        let beyond = Limits { doubtful: 300.0, bad: 2000.0 };
+        size_change::statistics(beyond, Limits { doubtful: 20.0, bad: 100.0 })
     }
 
     fn by_default(&self) -> bool {

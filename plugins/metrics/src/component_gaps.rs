@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use mimesh_core::{
     Figures, Result,
-    mesh::Surface,
+    mesh::{Surface, SurfacePoint},
     register,
-    stage::{BoundMetric, Measured, Metric, MetricContext, MetricInput, Statistic},
+    stage::{BoundMetric, Measured, Metric, MetricContext, MetricInput, Statistic, TransferPair, TriangleMap},
 };
 use nalgebra::Point3;
 use schemars::JsonSchema;
@@ -15,6 +15,7 @@ use serde::{Deserialize, Serialize};
 use crate::{
     component_pairs, diagonal,
     distribution::{Distribution, first_largest},
+    source_pose::SourcePoses,
     vertex_field,
 };
 
@@ -24,7 +25,8 @@ register!(Metric: ComponentGaps);
 ///
 /// It looks at pairs of vertices of components that lie within 2 % of the diagonal of each other. Each component has pairs with its
 /// six nearest others, at most eight with each: the closest, and in turn the farthest from those chosen. A pair is d₀ apart at rest
-/// and d in the pose. It is opened by max(0, d − d₀), in percent of the diagonal.
+/// and d in the pose. It is opened by max(0, d / κ − d₀), in percent of the diagonal, with κ the even scale of the source's pose, its
+/// median stretch. If a map is known, a gap may open as far as the two points of the source that its ends follow.
 ///
 /// (The pairs of a pipeline's `proximity` may be far apart, and then open and close with any motion.) There are no statistics for a
 /// single component, or for components that all lie alone. The field is the largest opening of the pairs of a vertex.
@@ -40,19 +42,24 @@ const MIN_DISTANCE: f64 = 1e-3;
 #[typetag::serde(name = "component_gaps")]
 impl Metric for ComponentGaps {
     fn bind<'a>(&self, context: MetricContext<'a>) -> Result<Box<dyn BoundMetric + 'a>> {
-        let diagonal = diagonal::of_target(context.rest)?;
+        let diagonal = diagonal::of_target(context.surface)?;
         let surface = context.surface;
         let of_vertex = surface.components().of_vertex;
         let target = Gaps::near(surface, diagonal)?;
         let source = context.pair.map(|pair| Gaps::near(pair.source, diagonal::of_source(pair.source)?)).transpose()?;
-        Ok(Box::new(Bound { context, target, source, of_vertex }))
+        let poses = context.pair.map(|pair| SourcePoses::new(pair.source));
+        let followed = match (context.pair, context.map) {
+            (Some(pair), Some(map)) if !target.pairs.is_empty() => Some(Followed::new(pair, map)?),
+            _ => None,
+        };
+        Ok(Box::new(Bound { context, target, source, poses, followed, of_vertex }))
     }
 
     fn statistics(&self) -> Vec<Statistic> {
         vec![
             Statistic::new("p99", "%", "99th percentile of the opening over pairs."),
             Statistic::new("beyond", "%", "How much `p99` exceeds `source_p99`; 0 if it does not.")
-                .with_limits(2.0, 5.0),
+                .with_limits(2.0, 8.0),
             Statistic::new("mean", "%", "Mean opening over pairs."),
             Statistic::new("max", "%", "Largest opening of a pair."),
             Statistic::new(
@@ -65,7 +72,13 @@ impl Metric for ComponentGaps {
                 "%",
                 "Largest median opening of the pairs of one component; it shows one loose component among many.",
             )
-            .with_limits(3.0, 6.0),
+            .with_limits(3.0, 8.0),
+            Statistic::new(
+                "loose",
+                "%",
+                "The same as `worst_component`, relative to the largest motion of the source + 1 %.",
+            )
+            .with_limits(8.0, 60.0),
             Statistic::index("worst", "Component with the largest median opening, numbered by first vertex."),
             Statistic::new(
                 "closed",
@@ -85,6 +98,8 @@ struct Bound<'a> {
     context: MetricContext<'a>,
     target: Gaps,
     source: Option<Gaps>,
+    poses: Option<SourcePoses<'a>>,
+    followed: Option<Followed<'a>>,
     /// The component of each vertex.
     of_vertex: Vec<Option<u32>>,
 }
@@ -93,12 +108,20 @@ impl BoundMetric for Bound<'_> {
     fn measure(&self, input: MetricInput<'_>) -> Result<Measured> {
         self.context.check(&input)?;
         let surface = self.context.surface;
-        let posed = input.result.surface;
+        let scale = self.poses.as_ref().zip(input.source).map_or(1.0, |(poses, posed)| poses.scale(posed));
+        let posed: Vec<Point3<f64>> = input.result.surface.iter().map(|p| p / scale).collect();
+        let followed = self.followed.as_ref().zip(input.source);
+        // A gap may open as far as the points of the source that it follows.
+        let allowed = |pair: [u32; 2], rest: f64| {
+            rest + followed.map_or(0.0, |(followed, posed)| followed.opening(pair, posed, scale))
+        };
+        let mut openings = Vec::new();
         let mut values = vec![f64::NAN; surface.vertex_count()];
         let mut of_component: BTreeMap<u32, Vec<f64>> = BTreeMap::new();
         let (mut closed, mut apart) = (0usize, 0usize);
-        for (pair, rest, distance) in self.target.distances(posed) {
-            let opening = self.target.opening(rest, distance);
+        for (pair, rest, distance) in self.target.distances(&posed) {
+            let opening = self.target.opening(allowed(pair, rest), distance);
+            openings.push(opening);
             vertex_field::raise(&mut values, &pair, opening);
             for component in pair.iter().filter_map(|&v| self.of_vertex[v as usize]) {
                 of_component.entry(component).or_default().push(opening);
@@ -108,12 +131,13 @@ impl BoundMetric for Bound<'_> {
                 closed += usize::from(distance < 0.5 * rest);
             }
         }
-        let Some(openings) = self.target.openings(posed) else { return Ok(Measured::default()) };
+        let Some(openings) = Distribution::unweighted(openings) else { return Ok(Measured::default()) };
         let mut statistics = Figures::default();
         let p99 = openings.percentile(0.99);
         statistics.set("p99", p99);
         if let Some((source, posed)) = self.source.as_ref().zip(input.source) {
-            let source_p99 = source.openings(posed).map_or(0.0, |openings| openings.percentile(0.99));
+            let posed: Vec<Point3<f64>> = posed.iter().map(|p| p / scale).collect();
+            let source_p99 = source.openings(&posed).map_or(0.0, |openings| openings.percentile(0.99));
             statistics.set("beyond", (p99 - source_p99).max(0.0));
             statistics.set("source_p99", source_p99);
         }
@@ -126,6 +150,10 @@ impl BoundMetric for Bound<'_> {
         let mut about = Vec::new();
         if let Some(worst) = first_largest(&medians) {
             statistics.set("worst_component", medians[worst]);
+            if let Some((poses, posed)) = self.poses.as_ref().zip(input.source) {
+                statistics.set("loose", 100.0 * medians[worst] / (poses.reach(posed) + 1.0));
+                about.push(("loose", component_pairs::describe(surface, numbers[worst] as usize)));
+            }
             statistics.set("worst", numbers[worst]);
             about.push(("worst_component", component_pairs::describe(surface, numbers[worst] as usize)));
         }
@@ -133,6 +161,30 @@ impl BoundMetric for Bound<'_> {
         statistics.set("pairs", openings.count());
         let field = vertex_field::on_mesh(surface, &values);
         Ok(Measured { statistics, about, field, field_unit: "opened, %", field_high: 6.0 })
+    }
+}
+
+/// The points of the source that vertices take their motion from.
+struct Followed<'a> {
+    source: &'a Surface,
+    points: Vec<SurfacePoint>,
+    /// The size of the target relative to the source.
+    size: f64,
+}
+
+impl<'a> Followed<'a> {
+    fn new(pair: TransferPair<'a>, map: &TriangleMap) -> Result<Self> {
+        let size = diagonal::of_target(pair.target)? / diagonal::of_source(pair.source)?;
+        Ok(Self { source: pair.source, points: map.source_points(pair)?, size })
+    }
+
+    /// How much farther apart the points of a pair are in the pose, in the unit of the target; `scale` is that of the pose.
+    fn opening(&self, pair: [u32; 2], posed: &[Point3<f64>], scale: f64) -> f64 {
+        let apart = |positions: &[Point3<f64>]| {
+            let [a, b] = pair.map(|v| self.points[v as usize].position(self.source, positions));
+            (a - b).norm()
+        };
+        self.size * (apart(posed) / scale - apart(&self.source.positions)).max(0.0)
     }
 }
 

@@ -29,7 +29,7 @@ pub struct ComponentMotion {}
 #[typetag::serde(name = "component_motion")]
 impl Metric for ComponentMotion {
     fn bind<'a>(&self, context: MetricContext<'a>) -> Result<Box<dyn BoundMetric + 'a>> {
-        let diagonal = diagonal::of_target(context.rest)?;
+        let diagonal = diagonal::of_target(context.surface)?;
         let components = context.surface.components();
         let (of_vertex, count) = (components.of_vertex.clone(), components.count());
         Ok(Box::new(Bound { context, diagonal, of_vertex, count }))
@@ -38,7 +38,7 @@ impl Metric for ComponentMotion {
     fn statistics(&self) -> Vec<Statistic> {
         vec![
             Statistic::new("offset_mean", "%", "Mean offset over components."),
-            Statistic::new("offset_max", "%", "Largest offset of a component.").with_limits(3.0, 10.0),
+            Statistic::new("offset_max", "%", "Largest offset of a component.").with_limits(2.0, 5.0),
             Statistic::new("rotation_mean", "degrees", "Mean angle of rotation over components."),
             Statistic::new("rotation_max", "degrees", "Largest angle of rotation of a component."),
             Statistic::index("worst", "Component with the largest offset, numbered by first vertex."),

@@ -11,7 +11,7 @@ use nalgebra::Point3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::{diagonal, distribution::Distribution, vertex_field};
+use crate::{diagonal, distribution::Distribution, motion, vertex_field};
 
 register!(Metric: ContactSlide);
 
@@ -21,8 +21,9 @@ register!(Metric: ContactSlide);
 /// the frame before. At rest the point must also lie at most `height` above the lowest point of the source. The slide of a planted
 /// vertex is how far it moved since the frame before, in percent of the target's diagonal.
 ///
-/// There are no statistics if no vertex is planted, without a frame before, or without a map from the target to the source. The
-/// field is the slide of each planted vertex.
+/// Poses in their order count as frames if the source moves on in the last three of them, as for `jitter`. There are no statistics
+/// where it does not, if no vertex is planted, without two frames before, or without a map from the target to the source. The field
+/// is the slide of each planted vertex.
 #[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ContactSlide {
@@ -59,19 +60,20 @@ impl Default for ContactSlide {
 impl Metric for ContactSlide {
     fn bind<'a>(&self, context: MetricContext<'a>) -> Result<Box<dyn BoundMetric + 'a>> {
         check_ranges(self)?;
-        let diagonal = diagonal::of_target(context.rest)?;
+        let diagonal = diagonal::of_target(context.surface)?;
         let (Some(pair), Some(map)) = (context.pair, context.map) else {
-            return Ok(Box::new(Bound { context, diagonal, still: 0.0, contacts: vec![] }));
+            return Ok(Box::new(Bound { context, diagonal, source_diagonal: diagonal, still: 0.0, contacts: vec![] }));
         };
         let source_diagonal = diagonal::of_source(pair.source)?;
         let contacts = self.foot_contacts(pair, &map.source_points(pair)?, self.height / 100.0 * source_diagonal);
-        Ok(Box::new(Bound { context, diagonal, still: self.still / 100.0 * source_diagonal, contacts }))
+        let still = self.still / 100.0 * source_diagonal;
+        Ok(Box::new(Bound { context, diagonal, source_diagonal, still, contacts }))
     }
 
     fn statistics(&self) -> Vec<Statistic> {
         vec![
             Statistic::new("mean", "%", "Mean slide over planted vertices."),
-            Statistic::new("p95", "%", "95th percentile of the slide over planted vertices.").with_limits(1.0, 3.0),
+            Statistic::new("p95", "%", "95th percentile of the slide over planted vertices.").with_limits(1.0, 15.0),
             Statistic::new("max", "%", "Largest slide of a planted vertex."),
             Statistic::new("planted", "count", "Planted vertices of the welded surface."),
         ]
@@ -98,6 +100,7 @@ impl ContactSlide {
 struct Bound<'a> {
     context: MetricContext<'a>,
     diagonal: f64,
+    source_diagonal: f64,
     /// The largest motion of a point that stands still, in the unit of the source.
     still: f64,
     /// Vertices of the target with their points of the source, where those lie near the ground at rest.
@@ -107,10 +110,16 @@ struct Bound<'a> {
 impl BoundMetric for Bound<'_> {
     fn measure(&self, input: MetricInput<'_>) -> Result<Measured> {
         self.context.check(&input)?;
-        let (Some(pair), Some(now), Some(before)) = (self.context.pair, input.source, input.before[0]) else {
+        let (Some(pair), Some(now), [Some(before), Some(first)]) = (self.context.pair, input.source, input.before)
+        else {
             return Ok(Measured::default());
         };
-        let Some(source_before) = before.source else { return Ok(Measured::default()) };
+        let (Some(source_before), Some(source_first)) = (before.source, first.source) else {
+            return Ok(Measured::default());
+        };
+        if !motion::are_frames([now, source_before, source_first], self.source_diagonal) {
+            return Ok(Measured::default());
+        }
         let surface = self.context.surface;
         let (result, result_before) = (input.result.surface, before.result.surface);
         let mut values = vec![f64::NAN; surface.vertex_count()];
@@ -149,7 +158,7 @@ mod tests {
     use super::*;
     use crate::testing::{assert_statistic, frames, moved};
 
-    fn slide(target: &Surface, result: [&[Point3<f64>]; 2], source: [&[Point3<f64>]; 2], up: Axis) -> Figures {
+    fn slide(target: &Surface, result: [&[Point3<f64>]; 2], source: [&[Point3<f64>]; 3], up: Axis) -> Figures {
         let map = TriangleMap {
             source_triangle_count: target.triangle_count(),
             triangles: (0..target.triangle_count() as u32).map(Some).collect(),
@@ -159,7 +168,7 @@ mod tests {
         let pair = TransferPair { source: target, target, markers: &[], proximity: None };
         let context = MetricContext { pair: Some(pair), map: Some(&map), ..MetricContext::alone(&mesh, target) };
         let metric = ContactSlide { up, ..ContactSlide::default() };
-        frames(context, &metric, [result[0], result[1], result[1]], [source[0], source[1], source[1]])
+        frames(context, &metric, [result[0], result[1], result[1]], source)
     }
 
     #[test]
@@ -167,22 +176,27 @@ mod tests {
         let bar = meshes::bar([2, 6, 2], [0.2, 1.0, 0.2]);
         let foot = bar.positions.iter().filter(|p| p.y < -0.49).count();
         let slid = moved(&bar.positions, Vector3::x() * 0.05 * bar.diagonal());
-        // The source leans over its foot.
-        let leaning: Vec<_> = bar.positions.iter().map(|p| p + Vector3::x() * (p.y + 0.5)).collect();
-        let statistics = slide(&bar, [&slid, &bar.positions], [&leaning, &bar.positions], Axis::Y);
+        // The source leans over its foot, farther and farther.
+        let leaning = |by: f64| bar.positions.iter().map(|p| p + Vector3::x() * by * (p.y + 0.5)).collect::<Vec<_>>();
+        let (leaning, halfway) = (leaning(1.0), leaning(0.5));
+        let source: [&[Point3<f64>]; 3] = [&leaning, &halfway, &bar.positions];
+        let statistics = slide(&bar, [&slid, &bar.positions], source, Axis::Y);
         assert_statistic(&statistics, "planted", foot as f64, 0.0);
         ["mean", "p95", "max"].iter().for_each(|name| assert_statistic(&statistics, name, 5.0, 1e-12));
-        let statistics = slide(&bar, [&leaning, &bar.positions], [&leaning, &bar.positions], Axis::Y);
+        let statistics = slide(&bar, [&leaning, &halfway], source, Axis::Y);
         assert_statistic(&statistics, "max", 0.0, 1e-12);
+        let unrelated = [&leaning[..], &bar.positions, &leaning];
+        assert!(slide(&bar, [&slid, &bar.positions], unrelated, Axis::Y).values.is_empty(), "no motion");
     }
 
     #[test]
     fn nothing_is_planted_where_the_source_walks_and_up_says_where_the_ground_is() {
         let bar = meshes::bar([2, 6, 2], [0.2, 1.0, 0.2]);
-        let slid = moved(&bar.positions, Vector3::x() * 0.05);
-        assert!(slide(&bar, [&slid, &bar.positions], [&slid, &bar.positions], Axis::Y).values.is_empty());
+        let rest = &bar.positions[..];
+        let (slid, halfway) = (moved(rest, Vector3::x() * 0.05), moved(rest, Vector3::x() * 0.025));
+        assert!(slide(&bar, [&slid, rest], [&slid, &halfway, rest], Axis::Y).values.is_empty());
         let side = bar.positions.iter().filter(|p| p.x < -0.09).count();
-        let statistics = slide(&bar, [&slid, &bar.positions], [&bar.positions, &bar.positions], Axis::X);
+        let statistics = slide(&bar, [&slid, rest], [rest; 3], Axis::X);
         assert_statistic(&statistics, "planted", side as f64, 0.0);
     }
 }

@@ -1,15 +1,18 @@
 //! How much edges grow and shrink.
 
 use mimesh_core::{
-    Result, register,
-    stage::{BoundMetric, Limits, Metric, MetricContext, Statistic},
+    Figures, Result, register,
+    stage::{BoundMetric, Limits, Measured, Metric, MetricContext, MetricInput, Statistic},
 };
+use nalgebra::Point3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    elements,
+    diagonal,
+    elements::{self, Elements},
     size_change::{self, SizeChange},
+    source_pose::SourcePoses,
 };
 
 register!(Metric: EdgeStretch);
@@ -19,6 +22,10 @@ register!(Metric: EdgeStretch);
 /// An edge of length l₀ at rest and l in the pose has s = ln(l / l₀). Its change is 100 (e^|s| − 1) percent, so that twice as long
 /// and half as long are both 100 %. The median is 100 (eᵐ − 1) with m the median of s, and has a sign. Percentiles count each edge
 /// by l₀.
+///
+/// The jump is the largest change of a length, |l / κ − l₀| in percent of the diagonal: a vertex that is off by itself has a jump of
+/// about that distance. The scale κ is that of the source's pose, its median stretch. The jump of the source is multiplied by the
+/// ratio of mean lengths, since longer edges change by more.
 ///
 /// Edges shorter than 1e-5 of the diagonal at rest are left out. Shorter lengths in the pose count as that length. The field is the
 /// largest change of the edges at a vertex, less `source_p99`.
@@ -31,17 +38,78 @@ impl Metric for EdgeStretch {
     fn bind<'a>(&self, context: MetricContext<'a>) -> Result<Box<dyn BoundMetric + 'a>> {
         let target = elements::edges(context.surface);
         let source = context.pair.map(|pair| elements::edges(pair.source));
-        Ok(Box::new(SizeChange { context, target, source, field_unit: "stretch, %", field_high: 100.0 }))
+        let diagonal = diagonal::of_target(context.surface)?;
+        let poses = context.pair.map(|pair| SourcePoses::new(pair.source));
+        let sizes = SizeChange { context, target, source, field_unit: "stretch, %", field_high: 100.0 };
+        Ok(Box::new(Bound { sizes, diagonal, source: poses }))
     }
 
     fn statistics(&self) -> Vec<Statistic> {
-        let beyond = Limits { doubtful: 25.0, bad: 100.0 };
-        size_change::statistics(beyond, Limits { doubtful: 10.0, bad: 30.0 })
+        let beyond = Limits { doubtful: 120.0, bad: 500.0 };
+        let mut statistics = size_change::statistics(beyond, Limits { doubtful: 10.0, bad: 40.0 });
+        // An even scale that the source has too is no fault of the transfer, but perhaps of the units.
+        let scale = Limits { doubtful: 50.0, bad: 100_000.0 };
+        statistics.iter_mut().filter(|one| one.name == "median").for_each(|one| one.limits = Some(scale));
+        statistics.extend([
+            Statistic::new("jump", "%", "Largest change of a length, in percent of the diagonal."),
+            Statistic::new("source_jump", "%", "The same as `jump`, of the source, for edges as long as the target's."),
+            Statistic::new(
+                "tear",
+                "%",
+                "How much `jump` exceeds `source_jump`, relative to the largest motion of the source + 1 %.",
+            )
+            .with_limits(16.0, 80.0),
+        ]);
+        statistics
     }
 
     fn by_default(&self) -> bool {
         true
     }
+}
+
+struct Bound<'a> {
+    sizes: SizeChange<'a, 2>,
+    /// The diagonal of the target at rest.
+    diagonal: f64,
+    source: Option<SourcePoses<'a>>,
+}
+
+impl BoundMetric for Bound<'_> {
+    fn measure(&self, input: MetricInput<'_>) -> Result<Measured> {
+        let mut measured = self.sizes.measure(input)?;
+        if !measured.statistics.values.is_empty() {
+            self.jumps(input, &mut measured.statistics);
+        }
+        Ok(measured)
+    }
+}
+
+impl Bound<'_> {
+    /// Sets the statistics of the largest change of a length.
+    fn jumps(&self, input: MetricInput<'_>, statistics: &mut Figures) {
+        let target = &self.sizes.target;
+        let found = |scale: f64| 100.0 * jump(target, input.result.surface, scale) / self.diagonal;
+        let (Some(poses), Some(posed)) = (&self.source, input.source) else {
+            statistics.set("jump", found(1.0));
+            return;
+        };
+        let scale = poses.scale(posed);
+        // Lengths relative to the diagonals: a mesh of longer edges has larger jumps.
+        let longer = (target.mean_rest() / self.diagonal) / (poses.edges.mean_rest() / poses.diagonal);
+        let of_source = 100.0 * jump(&poses.edges, posed, scale) / poses.diagonal * longer;
+        let reach = poses.reach(posed);
+        statistics.set("jump", found(scale));
+        statistics.set("source_jump", of_source);
+        statistics.set("tear", 100.0 * (found(scale) - of_source).max(0.0) / (reach + 1.0));
+    }
+}
+
+/// The largest finite |l / scale − l₀|.
+fn jump(elements: &Elements<2>, posed: &[Point3<f64>], scale: f64) -> f64 {
+    let change =
+        |(&[a, b], rest): (&[u32; 2], &f64)| ((posed[a as usize] - posed[b as usize]).norm() / scale - rest).abs();
+    elements.corners.iter().zip(&elements.rest).map(change).filter(|change| change.is_finite()).fold(0.0, f64::max)
 }
 
 #[cfg(test)]

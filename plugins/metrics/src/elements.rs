@@ -31,6 +31,11 @@ impl<const N: usize> Elements<N> {
         self.corners.par_iter().zip(&self.rest).with_min_len(4096).map(logarithm).collect()
     }
 
+    /// The mean size at rest; 0 without elements.
+    pub fn mean_rest(&self) -> f64 {
+        self.rest.iter().sum::<f64>() / self.rest.len().max(1) as f64
+    }
+
     fn new(
         surface: &Surface,
         all: &[[u32; N]],

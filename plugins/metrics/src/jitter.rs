@@ -8,7 +8,7 @@ use nalgebra::Point3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::{diagonal, distribution::Distribution, vertex_field};
+use crate::{diagonal, distribution::Distribution, motion, vertex_field};
 
 register!(Metric: Jitter);
 
@@ -17,7 +17,9 @@ register!(Metric: Jitter);
 /// Each vertex of the surface has a second difference ‖xᵢ − 2 xᵢ₋₁ + xᵢ₋₂‖ over this frame and the two before, in percent of the
 /// diagonal. It is 0 at a constant velocity, and 4a for a trembling by ±a.
 ///
-/// Poses in their order count as frames. If they are unrelated, the source jumps as much as the target, and `ratio` is about 1.
+/// Poses in their order count as frames if the source moves on in them: Σ v₁ · v₀ ≥ ¼ √(Σ ‖v₁‖² Σ ‖v₀‖²) for its two velocities v
+/// between the three frames, summed over vertices. Unrelated shapes have about −½ there, and no statistics.
+///
 /// There are no statistics for the first two frames, nor for the two after a pose that failed. The field is the second difference.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema, Serialize)]
 #[serde(default, deny_unknown_fields)]
@@ -29,7 +31,7 @@ const NOISE_FLOOR: f64 = 0.05;
 #[typetag::serde(name = "jitter")]
 impl Metric for Jitter {
     fn bind<'a>(&self, context: MetricContext<'a>) -> Result<Box<dyn BoundMetric + 'a>> {
-        let diagonal = diagonal::of_target(context.rest)?;
+        let diagonal = diagonal::of_target(context.surface)?;
         let source_diagonal = context.pair.map(|pair| diagonal::of_source(pair.source)).transpose()?;
         Ok(Box::new(Bound { context, diagonal, source_diagonal }))
     }
@@ -41,7 +43,7 @@ impl Metric for Jitter {
                 "ratio",
                 "(`rms` + 0.05) / (`source_rms` + 0.05), about 1 if neither moves by more than 0.05 %.",
             )
-            .with_limits(2.0, 5.0),
+            .with_limits(2.0, 20.0),
             Statistic::new("rms", "%", "Root mean square of the second difference over vertices.")
                 .with_aggregate(Aggregate::RootMeanSquare),
             Statistic::new("p99", "%", "99th percentile of the second difference over vertices."),
@@ -66,16 +68,19 @@ impl BoundMetric for Bound<'_> {
     fn measure(&self, input: MetricInput<'_>) -> Result<Measured> {
         self.context.check(&input)?;
         let [Some(one), Some(two)] = input.before else { return Ok(Measured::default()) };
+        let sources = match (self.source_diagonal, input.source, one.source, two.source) {
+            (Some(diagonal), Some(now), Some(one), Some(two)) => Some(([now, one, two], diagonal)),
+            _ => None,
+        };
+        if sources.is_some_and(|(sources, diagonal)| !motion::are_frames(sources, diagonal)) {
+            return Ok(Measured::default());
+        }
         let surface = self.context.surface;
         let frames = [input.result, one.result, two.result].map(|posed| posed.surface);
         let values = second_differences(frames, self.diagonal);
         let Some(target) = Distribution::unweighted(values.iter().copied()) else { return Ok(Measured::default()) };
-        let source = match (self.source_diagonal, input.source, one.source, two.source) {
-            (Some(diagonal), Some(now), Some(one), Some(two)) => {
-                Distribution::unweighted(second_differences([now, one, two], diagonal))
-            }
-            _ => None,
-        };
+        let source =
+            sources.and_then(|(sources, diagonal)| Distribution::unweighted(second_differences(sources, diagonal)));
         let rms = target.rms();
         let mut statistics = Figures::default();
         statistics.set("rms", rms);

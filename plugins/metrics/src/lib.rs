@@ -4,6 +4,7 @@
 //! |---|---|---|
 //! | [`point_error`](point_error::PointError) | distance of vertices to their known positions | a known result |
 //! | [`component_motion`](component_motion::ComponentMotion) | components out of place or turned | a known result |
+//! | [`source_motion`](source_motion::SourceMotion) | parts that do not move as the source does | a source |
 //! | [`edge_stretch`](edge_stretch::EdgeStretch) | edges that grow or shrink more than the source's | |
 //! | [`area_change`](area_change::AreaChange) | the same for triangles | |
 //! | [`flipped_triangles`](flipped_triangles::FlippedTriangles) | folds | |
@@ -33,6 +34,7 @@ pub mod map_tears;
 pub mod marker_fit;
 pub mod point_error;
 pub mod self_intersections;
+pub mod source_motion;
 pub mod volume;
 
 mod component_pairs;
@@ -41,7 +43,9 @@ mod crossing;
 mod diagonal;
 mod distribution;
 mod elements;
+mod motion;
 mod size_change;
+mod source_pose;
 #[cfg(test)]
 mod testing;
 mod triangle_tree;

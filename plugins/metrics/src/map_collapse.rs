@@ -97,7 +97,7 @@ struct Place {
 /// [`Error::Data`](mimesh_core::Error::Data) for a map that does not fit the pair, or meshes without a diagonal.
 fn collapse(context: MetricContext<'_>, pair: TransferPair<'_>, map: &TriangleMap) -> Result<Measured> {
     map.check(pair)?;
-    let diagonals = [diagonal::of_target(context.rest)?, diagonal::of_source(pair.source)?];
+    let diagonals = [diagonal::of_target(context.surface)?, diagonal::of_source(pair.source)?];
     let places = places(pair, map, diagonals);
     let [centres, others] = MAX_PLACES.map(|count| every_nth(&places, count));
     let ratios: Vec<Option<f64>> = centres.par_iter().map(|centre| ratio(centre, &others)).collect();

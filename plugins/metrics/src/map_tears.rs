@@ -70,6 +70,10 @@ impl Metric for MapTears {
     fn by_default(&self) -> bool {
         true
     }
+
+    fn is_of_rest(&self) -> bool {
+        true
+    }
 }
 
 struct Bound<'a> {
@@ -91,7 +95,7 @@ impl BoundMetric for Bound<'_> {
 /// [`Error::Data`](mimesh_core::Error::Data) for a map that does not fit the pair, or meshes without a diagonal.
 fn tears(context: MetricContext<'_>, pair: TransferPair<'_>, map: &TriangleMap) -> Result<Measured> {
     map.check(pair)?;
-    let (diagonal, source_diagonal) = (diagonal::of_target(context.rest)?, diagonal::of_source(pair.source)?);
+    let (diagonal, source_diagonal) = (diagonal::of_target(context.surface)?, diagonal::of_source(pair.source)?);
     let neighbours = if map.points.iter().any(Option::is_some) { edge_ends(pair, map) } else { triangles(pair, map) };
     let source_edge = mean_edge(pair.source);
     let expected = |n: &Neighbours| n.target * source_diagonal / diagonal + source_edge;

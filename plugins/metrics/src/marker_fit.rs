@@ -50,7 +50,7 @@ impl Metric for MarkerFit {
         let mut statistics = Figures::default();
         if let Some(pair) = context.pair.filter(|pair| pair.markers.len() >= MIN_MARKERS) {
             pair.check_markers()?;
-            let diagonal = diagonal::of_target(context.rest)?;
+            let diagonal = diagonal::of_target(context.surface)?;
             fit(pair, diagonal, &mut statistics);
         } else if let Some((pair, map)) = context.pair.zip(context.map) {
             let [source, target] = map.sample(pair)?;
@@ -73,7 +73,7 @@ impl Metric for MarkerFit {
                 "ratio",
                 "Largest score relative to the median score; 1 if all markers fit alike.",
             )
-            .with_limits(7.0, 12.0),
+            .with_limits(7.0, 50.0),
             Statistic::new("residual_p50", "%", "Median residual."),
             Statistic::new("residual_max", "%", "Largest residual."),
             Statistic::index("worst", "Marker with the largest score, by its place in the list."),
@@ -81,6 +81,10 @@ impl Metric for MarkerFit {
     }
 
     fn by_default(&self) -> bool {
+        true
+    }
+
+    fn is_of_rest(&self) -> bool {
         true
     }
 }

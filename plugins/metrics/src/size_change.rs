@@ -7,15 +7,20 @@ use mimesh_core::{
 
 use crate::{distribution::Distribution, elements::Elements, vertex_field};
 
-/// The statistics of both metrics, with the limits of `beyond` and `median`.
+/// The statistics of both metrics, with the limits of `beyond` and `median_beyond`.
 pub fn statistics(beyond: Limits, median: Limits) -> Vec<Statistic> {
     vec![
-        Statistic::new("beyond", "%", "How much `p99` exceeds `source_p99`; 0 if it does not.")
+        Statistic::new("beyond", "%", "How much 1 + `p99` is larger than 1 + `source_p99`; 0 if it is not.")
             .with_limits(beyond.doubtful, beyond.bad),
         Statistic::new("p99", "%", "99th percentile of the change."),
         Statistic::new("max", "%", "Largest change."),
-        Statistic::new("median", "%", "Median change with its sign; it shows a wrong scale.")
-            .with_limits(median.doubtful, median.bad),
+        Statistic::new("median", "%", "Median change with its sign."),
+        Statistic::new(
+            "median_beyond",
+            "%",
+            "How much 1 + `median` differs from 1 + `source_median`; it shows a scale that the source has not.",
+        )
+        .with_limits(median.doubtful, median.bad),
         Statistic::new("source_p99", "%", "The same as `p99`, of the source."),
         Statistic::new("source_max", "%", "The same as `max`, of the source."),
         Statistic::new("source_median", "%", "The same as `median`, of the source."),
@@ -37,7 +42,7 @@ pub struct SizeChange<'a, const N: usize> {
     pub field_high: f64,
 }
 
-/// Percentiles over one surface in one pose, in percent.
+/// Percentiles of logarithms over one surface in one pose.
 struct Percentiles {
     p99: f64,
     max: f64,
@@ -55,20 +60,21 @@ impl<const N: usize> BoundMetric for SizeChange<'_, N> {
 
         let mut statistics = Figures::default();
         if let Some(source) = &source {
-            statistics.set("beyond", (target.p99 - source.p99).max(0.0));
+            statistics.set("beyond", growth((target.p99 - source.p99).max(0.0)));
         }
-        statistics.set("p99", target.p99);
-        statistics.set("max", target.max);
-        statistics.set("median", target.median);
+        statistics.set("p99", growth(target.p99));
+        statistics.set("max", growth(target.max));
+        statistics.set("median", growth(target.median));
         if let Some(source) = &source {
-            statistics.set("source_p99", source.p99);
-            statistics.set("source_max", source.max);
-            statistics.set("source_median", source.median);
+            statistics.set("median_beyond", growth((target.median - source.median).abs()));
+            statistics.set("source_p99", growth(source.p99));
+            statistics.set("source_max", growth(source.max));
+            statistics.set("source_median", growth(source.median));
         }
         let not_finite = logarithms.iter().filter(|s| !s.is_finite()).count();
         statistics.set("left_out", self.target.left_out + not_finite);
 
-        let source_p99 = source.map_or(0.0, |source| source.p99);
+        let source_p99 = source.map_or(0.0, |source| growth(source.p99));
         let mut values = vec![f64::NAN; surface.vertex_count()];
         for (corners, s) in self.target.corners.iter().zip(&logarithms).filter(|(_, s)| s.is_finite()) {
             vertex_field::raise(&mut values, corners, (growth(s.abs()) - source_p99).max(0.0));
@@ -92,9 +98,5 @@ fn percentiles(logarithms: &[f64], weights: &[f64]) -> Option<Percentiles> {
     let weighted = || logarithms.iter().copied().zip(weights.iter().copied());
     let signed = Distribution::weighted(weighted())?;
     let sizes = Distribution::weighted(weighted().map(|(s, weight)| (s.abs(), weight)))?;
-    Some(Percentiles {
-        p99: growth(sizes.percentile(0.99)),
-        max: growth(sizes.max()),
-        median: growth(signed.percentile(0.5)),
-    })
+    Some(Percentiles { p99: sizes.percentile(0.99), max: sizes.max(), median: signed.percentile(0.5) })
 }

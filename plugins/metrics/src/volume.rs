@@ -40,9 +40,8 @@ impl Metric for Volume {
     fn statistics(&self) -> Vec<Statistic> {
         vec![
             Statistic::new("beyond", "%", "100 (e^|d| − 1), d the difference of ln(V / V₀) between target and source.")
-                .with_limits(15.0, 50.0),
-            Statistic::new("change", "%", "100 (V / V₀ − 1), with its sign; −200 for a mesh turned inside out.")
-                .with_limits(30.0, 80.0),
+                .with_limits(15.0, 80.0),
+            Statistic::new("change", "%", "100 (V / V₀ − 1), with its sign; −200 for a mesh turned inside out."),
             Statistic::new("source_change", "%", "The same as `change`, of the source."),
             Statistic::new(
                 "worst_component",

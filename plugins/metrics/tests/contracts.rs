@@ -19,6 +19,7 @@ fn every_metric_keeps_its_contract() {
         "marker_fit",
         "point_error",
         "self_intersections",
+        "source_motion",
         "volume",
     ] {
         keeps("metric", name);

@@ -1,11 +1,13 @@
 //! Limits against real meshes: known results are not bad, and spoiled ones are told from them.
+//!
+//! `tests/verdicts` of the program judges whole sets of results, good and spoiled.
 
 use std::path::{Path, PathBuf};
 
 use mimesh_core::{
     mesh::{Mesh, Surface, SurfacePoint},
     plugin,
-    stage::{Format, Marker, Metric, MetricContext, MetricInput, Posed, Statistic, TransferPair},
+    stage::{Format, Limits, Marker, Metric, MetricContext, MetricInput, Posed, Statistic, TransferPair},
     testkit::{data::data, random::Random},
 };
 use mimesh_formats as _;
@@ -42,6 +44,15 @@ impl Scene {
 
     /// Statistics above their bad limits as `metric.statistic`, with the source and the target in a pose each.
     fn bad(&self, source: &[Point3<f64>], result: &[Point3<f64>]) -> Vec<String> {
+        self.above(source, result, |limits| limits.bad)
+    }
+
+    /// The same for the limits above which a statistic is doubtful.
+    fn doubtful(&self, source: &[Point3<f64>], result: &[Point3<f64>]) -> Vec<String> {
+        self.above(source, result, |limits| limits.doubtful)
+    }
+
+    fn above(&self, source: &[Point3<f64>], result: &[Point3<f64>], limit: fn(&Limits) -> f64) -> Vec<String> {
         let marker = |&[s, t]: &[u32; 2]| Marker {
             name: s.to_string(),
             source: SurfacePoint::Vertex(self.source.vertex_of[s as usize].unwrap()),
@@ -50,19 +61,19 @@ impl Scene {
         let markers: Vec<_> = self.markers.iter().map(marker).collect();
         let pair = TransferPair { source: &self.source, target: &self.target, markers: &markers, proximity: None };
         let context = MetricContext { pair: Some(pair), ..MetricContext::alone(&self.mesh, &self.target) };
-        let mut bad = Vec::new();
+        let mut found_above = Vec::new();
         for (name, metric) in plugin::instances::<dyn Metric>() {
             let posed = Posed { mesh: result, surface: &self.target.from_mesh(result).unwrap() };
             let input = MetricInput { source: Some(source), ..MetricInput::alone(posed) };
             let found = metric.bind(context).unwrap().measure(input).unwrap().statistics;
             let declared = metric.statistics();
-            let is_bad = |statistic: &&Statistic| {
+            let is_above = |statistic: &&Statistic| {
                 let value = found.number(statistic.name).map(f64::abs);
-                statistic.limits.zip(value).is_some_and(|(limits, value)| value > limits.bad)
+                statistic.limits.zip(value).is_some_and(|(limits, value)| value > limit(&limits))
             };
-            bad.extend(declared.iter().filter(is_bad).map(|statistic| format!("{name}.{}", statistic.name)));
+            found_above.extend(declared.iter().filter(is_above).map(|statistic| format!("{name}.{}", statistic.name)));
         }
-        bad
+        found_above
     }
 
     fn source_pose(&self, file: &str) -> Vec<Point3<f64>> {
@@ -103,7 +114,7 @@ fn known_results_are_not_bad() {
 }
 
 #[test]
-fn a_marker_on_the_wrong_leg_and_swapped_sides_are_bad() {
+fn a_marker_on_the_wrong_leg_is_doubtful_and_swapped_sides_are_bad() {
     let Some(mut animals) = Scene::animals() else { return };
     let given = animals.markers.clone();
     let rest = (animals.source.positions.clone(), animals.mesh.positions.clone());
@@ -122,7 +133,7 @@ fn a_marker_on_the_wrong_leg_and_swapped_sides_are_bad() {
     let distance = |v: &u32| (rest.1[*v as usize] - beside).norm();
     let wrong = (0..rest.1.len() as u32).filter(free).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap();
     animals.markers.iter_mut().filter(|pair| **pair == foot).for_each(|pair| pair[1] = wrong);
-    assert_eq!(animals.bad(&rest.0, &rest.1), ["marker_fit.outlier"]);
+    assert_eq!(animals.doubtful(&rest.0, &rest.1), ["marker_fit.outlier"]);
 
     animals.markers = given.iter().map(|pair| [pair[0], mirror(pair)[1]]).collect();
     // Two that mirror to the same one would share a point.
@@ -138,22 +149,52 @@ fn a_wrong_scale_noise_and_a_loose_component_are_bad() {
     let truth = plates.pose("bodies/plates-child/truth-kick.ply");
     let large: Vec<_> = truth.iter().map(|p| p * 10.0).collect();
     let bad = plates.bad(&source, &large);
-    assert!(bad.contains(&"edge_stretch.median".into()) && bad.contains(&"volume.beyond".into()), "{bad:?}");
-    // The source comes in the same wrong unit: only what is compared with rest can tell.
+    assert!(bad.contains(&"edge_stretch.median_beyond".into()) && bad.contains(&"volume.beyond".into()), "{bad:?}");
+    // The source comes in the same unit: nothing is wrong with the transfer, but the units deserve a look.
     let source_large: Vec<_> = source.iter().map(|p| p * 10.0).collect();
-    assert!(plates.bad(&source_large, &large).contains(&"edge_stretch.median".into()));
+    assert_eq!(plates.bad(&source_large, &large), Vec::<String>::new());
+    assert!(plates.doubtful(&source_large, &large).contains(&"edge_stretch.median".into()));
 
     let mut random = Random::new(1);
     let amount = 0.003 * plates.target.diagonal();
     let noisy: Vec<_> = truth.iter().map(|p| p + random.vector() * amount).collect();
-    let bad = plates.bad(&source, &noisy);
+    // Ugly, but each vertex is where it should be to 0.5 %.
+    assert_eq!(plates.bad(&source, &noisy), Vec::<String>::new());
+    let doubtful = plates.doubtful(&source, &noisy);
     for statistic in ["edge_stretch.beyond", "flipped_triangles.beyond_share", "self_intersections.beyond_share"] {
-        assert!(bad.iter().any(|b| b == statistic), "{statistic} in {bad:?}");
+        assert!(doubtful.iter().any(|found| found == statistic), "{statistic} in {doubtful:?}");
     }
+    let amount = 0.06 * plates.target.diagonal();
+    let wild: Vec<_> = truth.iter().map(|p| p + random.vector() * amount).collect();
+    assert!(plates.bad(&source, &wild).contains(&"edge_stretch.beyond".into()));
 
     let components = plates.target.components();
     let loose = |v: usize| components.of_vertex[plates.target.vertex_of[v].unwrap() as usize] == Some(87);
     let step = Vector3::x() * 0.1 * plates.target.diagonal();
     let moved = truth.iter().enumerate().map(|(v, p)| if loose(v) { p + step } else { *p });
     assert!(plates.bad(&source, &moved.collect::<Vec<_>>()).contains(&"component_gaps.worst_component".into()));
+}
+
+#[test]
+fn a_single_vertex_far_off_and_a_target_at_rest_are_not_good() {
+    let Some(animals) = Scene::animals() else { return };
+    let source = animals.source_pose("sumner-horse-poses/horse-03.obj");
+    let mut spoiled = animals.pose("sumner-camel-poses/camel-03.obj");
+    spoiled[9000] += Vector3::y() * 0.2 * animals.target.diagonal();
+    assert!(animals.doubtful(&source, &spoiled).contains(&"edge_stretch.tear".into()));
+    assert!(animals.doubtful(&source, &animals.mesh.positions).contains(&"source_motion.lag".into()));
+    assert!(animals.bad(&source, &animals.mesh.positions).contains(&"source_motion.mean".into()));
+}
+
+#[test]
+fn a_vertex_that_no_triangle_uses_changes_no_limit() {
+    let Some(mut animals) = Scene::animals() else { return };
+    let source = animals.source_pose("sumner-horse-poses/horse-01.obj");
+    let mut result = animals.pose("sumner-camel-poses/camel-01.obj");
+    let expected = animals.doubtful(&source, &result);
+    let far = Point3::new(1.0, 2.0, 3.0) * 10.0 * animals.target.diagonal();
+    animals.mesh.positions.push(far);
+    animals.target = Surface::new(&animals.mesh).unwrap();
+    result.push(far + Vector3::x());
+    assert_eq!(animals.doubtful(&source, &result), expected);
 }

@@ -42,6 +42,13 @@ pub trait Metric: Debug + Send + Sync {
     fn by_default(&self) -> bool {
         false
     }
+
+    /// Whether it looks at rest meshes, markers and the map alone, so that all poses have the same statistics.
+    ///
+    /// Its faults are then reported once for the run, and not with every pose.
+    fn is_of_rest(&self) -> bool {
+        false
+    }
 }
 
 crate::stage_kind!(Metric, "metric");

@@ -120,7 +120,8 @@ pub(super) fn check_bound(
     markers: &[Marker],
 ) {
     let pair = TransferPair { source: &source.surface, target: target.seen_surface(), markers, proximity: None };
-    let context = MetricContext { rest: &target.sequence.rest, surface: &target.surface, pair: Some(pair), map: None };
+    let context =
+        MetricContext { rest: &target.sequence.rest, surface: target.seen_surface(), pair: Some(pair), map: None };
     for (at, metric) in entries(scope, metrics) {
         if let Err(error) = metric.bind(context).map(drop)
             && !scope.is_reported(&error, &at)

@@ -112,8 +112,8 @@ impl RestMesh {
         self.mirror_image.as_ref().map_or(&self.surface, |(_, image)| image)
     }
 
-    /// Positions of the surface from those that a stage gave for the surface that it saw.
-    pub fn from_seen(&self, mut positions: Vec<Point3<f64>>) -> Vec<Point3<f64>> {
+    /// Positions of the surface as stages see it, from those of the file's, or the other way round.
+    pub fn mirrored_positions(&self, mut positions: Vec<Point3<f64>>) -> Vec<Point3<f64>> {
         if let Some(axis) = self.mirror_axis() {
             positions.iter_mut().for_each(|p| p[axis.index()] = -p[axis.index()]);
         }

@@ -23,6 +23,7 @@ pub struct MetricSet<'a> {
 struct Member<'a> {
     name: String,
     needs_ground_truth: bool,
+    is_of_rest: bool,
     statistics: Vec<Statistic>,
     /// `None` if its statistics are known from an earlier run.
     bound: Option<Box<dyn BoundMetric + 'a>>,
@@ -47,6 +48,7 @@ impl<'a> MetricSet<'a> {
         let members = metrics.iter().map(|metric| Member {
             name: metric.typetag_name().to_owned(),
             needs_ground_truth: metric.needs_ground_truth(),
+            is_of_rest: metric.is_of_rest(),
             statistics: metric.statistics(),
             bound: None,
         });
@@ -78,10 +80,10 @@ impl<'a> MetricSet<'a> {
         measure(self.members.iter().filter(|member| member.needs_ground_truth), input)
     }
 
-    /// The largest size of a statistic over its bad limit: 1 where the pose becomes bad.
+    /// The largest size of a statistic of the pose over its bad limit: 1 where the pose becomes bad.
     pub fn limit_ratio(&self, metrics: &PoseMetrics) -> f64 {
         let mut largest = 0.0f64;
-        for member in &self.members {
+        for member in self.members.iter().filter(|member| !member.is_of_rest) {
             for Statistic { name, limits, .. } in &member.statistics {
                 if let (Some(limits), Some(value)) = (limits, metrics.value(&member.name, name))
                     && limits.bad > 0.0
@@ -93,15 +95,29 @@ impl<'a> MetricSet<'a> {
         largest
     }
 
-    /// The verdict on a pose; `None` if it was not measured.
+    /// The verdict on a pose, without the faults that all poses share; `None` if it was not measured.
     pub fn verdict(&self, metrics: &PoseMetrics) -> Option<Verdict> {
+        self.verdict_by(metrics, |member| !member.is_of_rest)
+    }
+
+    /// The verdict on rest meshes, markers and map, from the measurements of any pose; `None` if they were not measured.
+    pub fn rest_verdict(&self, metrics: &PoseMetrics) -> Option<Verdict> {
+        self.verdict_by(metrics, |member| member.is_of_rest)
+    }
+
+    /// The verdict by some of the metrics; `None` if they have no statistics.
+    fn verdict_by(&self, metrics: &PoseMetrics, judges: impl Fn(&Member<'_>) -> bool) -> Option<Verdict> {
+        let members: Vec<&Member<'_>> = self.members.iter().filter(|member| judges(member)).collect();
+        let is_judged = |metric: &str| members.iter().any(|member| member.name == metric);
+        let gates: Vec<&Gate> = self.gates.iter().filter(|gate| is_judged(&gate.metric)).collect();
         let has_failed = |gate: &&Gate| metrics.failed.iter().any(|(metric, _)| *metric == gate.metric);
-        let unmeasured: Vec<&Gate> = self.gates.iter().filter(has_failed).collect();
-        if metrics.statistics.is_empty() && unmeasured.is_empty() {
+        let unmeasured: Vec<&Gate> = gates.iter().copied().filter(has_failed).collect();
+        if !metrics.statistics.keys().any(|metric| is_judged(metric)) && unmeasured.is_empty() {
             return None;
         }
-        let broken = self.gates.iter().filter_map(|gate| broken_gate(gate, metrics));
-        let exceeded = self.members.iter().flat_map(|member| self.exceeded_limits(member, metrics));
+        let broken = gates.iter().filter_map(|gate| broken_gate(gate, metrics));
+        let is_known = self.members.iter().any(|m| m.needs_ground_truth && metrics.statistics.contains_key(&m.name));
+        let exceeded = members.iter().flat_map(|member| self.exceeded_limits(member, metrics, is_known));
         let mut reasons: Vec<Reason> =
             broken.chain(exceeded).chain(unmeasured.into_iter().map(Gate::unmeasured)).collect();
         reasons.sort_by(|a, b| b.level.cmp(&a.level).then(b.excess().total_cmp(&a.excess())));
@@ -110,12 +126,15 @@ impl<'a> MetricSet<'a> {
     }
 
     /// The statistics of `member` above its own limits, except those that a gate of the pipeline is set for.
-    fn exceeded_limits(&self, member: &Member<'_>, metrics: &PoseMetrics) -> Vec<Reason> {
+    ///
+    /// Where the known result is measured (`is_known`), the suspicions of other metrics make nothing worse than doubtful.
+    fn exceeded_limits(&self, member: &Member<'_>, metrics: &PoseMetrics, is_known: bool) -> Vec<Reason> {
+        let may_be_bad = member.needs_ground_truth || !is_known;
         let has_gate = |name: &str| self.gates.iter().any(|gate| gate.metric == member.name && gate.statistic == name);
         let mut reasons = Vec::new();
         for Statistic { name, limits, .. } in &member.statistics {
             let Some(limits) = limits.filter(|_| !has_gate(name)) else { continue };
-            let bad = above(Level::Bad, &member.name, name, limits.bad, metrics);
+            let bad = above(Level::Bad, &member.name, name, limits.bad, metrics).filter(|_| may_be_bad);
             reasons.extend(bad.or_else(|| above(Level::Doubtful, &member.name, name, limits.doubtful, metrics)));
         }
         reasons

@@ -23,9 +23,14 @@ impl PrimaryStatistic {
     pub fn of(&self, pose: &PoseReport) -> Option<f64> {
         pose.metrics.get(&self.metric)?.get(&self.statistic)?.as_f64()
     }
+
+    /// Whether all poses share its value, since its metric looks at rest meshes, markers and the map alone.
+    pub fn is_of_rest(&self) -> bool {
+        plugin::instance::<dyn Metric>(&self.metric).is_some_and(|metric| metric.is_of_rest())
+    }
 }
 
-/// The first declared statistic of each metric that measured `poses`, and all statistics that verdicts give as reasons.
+/// The first declared statistic of each metric that measured `poses`, and all statistics that verdicts on poses give as reasons.
 ///
 /// `point_error` comes first, since a known error says more than a suspicion.
 pub fn primary_statistics(poses: &[PoseReport]) -> Vec<PrimaryStatistic> {

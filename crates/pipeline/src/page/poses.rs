@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 use super::elements::{self, Image, badge, picture};
 use crate::{
-    metrics::{Level, PrimaryStatistic, primary_statistics},
+    metrics::{Level, PrimaryStatistic, Verdict, primary_statistics},
     report::{PoseReport, Report},
     text::number,
 };
@@ -13,7 +13,8 @@ use crate::{
 pub fn worst(report: &Report, images: &[Image]) -> Markup {
     let pose = |image: &Image| report.poses.iter().find(|pose| pose.name == image.name);
     let mut shown: Vec<(&Image, &PoseReport)> = images.iter().filter_map(|image| Some((image, pose(image)?))).collect();
-    let fine = report.verdict.is_none_or(|verdict| verdict == Level::Good);
+    let is_fine = |pose: &PoseReport| pose.verdict.as_ref().is_none_or(|verdict| verdict.level == Level::Good);
+    let fine = report.poses.iter().all(is_fine);
     // Beside what is wrong, what is good needs no second look; where all is good, the largest errors are of interest.
     shown.retain(|(_, pose)| fine || pose.verdict.as_ref().is_some_and(|verdict| verdict.level > Level::Good));
     let measured = shown.iter().any(|(_, pose)| pose.metrics.contains_key("point_error"));
@@ -26,7 +27,7 @@ pub fn worst(report: &Report, images: &[Image]) -> Markup {
                         (picture(image))
                         div {
                             h3 { (pose.name) " " @if let Some(verdict) = &pose.verdict { (badge(verdict.level)) } }
-                            (reasons(pose))
+                            (reasons(pose.verdict.as_ref()))
                         }
                     }
                 }
@@ -35,14 +36,30 @@ pub fn worst(report: &Report, images: &[Image]) -> Markup {
     }
 }
 
-fn reasons(pose: &PoseReport) -> Markup {
-    let reasons = pose.verdict.iter().flat_map(|verdict| &verdict.reasons);
+/// Returns the reasons of a verdict as a list.
+fn reasons(verdict: Option<&Verdict>) -> Markup {
+    let reasons = verdict.into_iter().flat_map(|verdict| &verdict.reasons);
     html! { ul { @for one in reasons { li { (one.words()) } } } }
+}
+
+/// Returns what is wrong with map and markers, once for all poses.
+pub fn shared(report: &Report) -> Markup {
+    let verdict = report.rest_verdict.as_ref().filter(|verdict| verdict.level > Level::Good);
+    html! {
+        @if let Some(verdict) = verdict {
+            section {
+                h2 { "Map and markers " (badge(verdict.level)) }
+                p.note { "These concern the whole run, whatever the poses." }
+                (reasons(Some(verdict)))
+            }
+        }
+    }
 }
 
 /// Returns a table with a row for each pose.
 pub fn table(report: &Report) -> Markup {
-    let columns = primary_statistics(&report.poses);
+    let mut columns = primary_statistics(&report.poses);
+    columns.retain(|column| !column.is_of_rest());
     let value = |pose: &PoseReport, column: &PrimaryStatistic| match column.of(pose) {
         Some(value) => number(value),
         None => "–".into(),

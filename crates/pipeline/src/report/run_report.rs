@@ -43,9 +43,12 @@ pub struct Report {
     pub target: MeshFigures,
     /// Number of markers.
     pub markers: usize,
-    /// The worst verdict of any pose; none where nothing was measured.
+    /// The worst verdict of any pose and of what they share; none where nothing was measured.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub verdict: Option<Level>,
+    /// The verdict on rest meshes, markers and map, whose faults all poses share; none where they were not measured.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rest_verdict: Option<Verdict>,
     /// The gates of the pipeline.
     #[serde(default, skip_serializing_if = "Map::is_empty")]
     pub gates: Map<String, Value>,
@@ -136,9 +139,12 @@ pub struct PoseReport {
     pub reused: bool,
     /// What the transfer reports of it.
     pub figures: Figures,
-    /// The verdict on it; `None` if it was not measured.
+    /// The verdict on it, without the faults that all poses share; `None` if it was not measured.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub verdict: Option<Verdict>,
+    /// The verdict on what all poses share, as this one gives it; reported once for the run.
+    #[serde(skip)]
+    pub rest_verdict: Option<Verdict>,
     /// For each metric its statistics.
     #[serde(default, skip_serializing_if = "Map::is_empty")]
     pub metrics: Map<String, Value>,

@@ -131,7 +131,7 @@ fn cached_metrics(prepared: &Prepared, plan: &Plan, stages: &Stages<'_>) -> Opti
 fn context<'a>(prepared: &'a Prepared, stages: &'a Stages<'_>) -> MetricContext<'a> {
     MetricContext {
         rest: &prepared.target.sequence.rest,
-        surface: &prepared.target.surface,
+        surface: prepared.target.seen_surface(),
         pair: Some(stages.pair()),
         map: stages.cached_map(),
     }
@@ -157,6 +157,8 @@ fn assemble(
         prepared.gates.iter().filter(|gate| !is_measured(gate, &poses)).map(unmeasured_gate).collect();
     let of_cache = cache.map(Cache::warnings).unwrap_or_default();
     let stages = stages.into_reports();
+    let rest_verdict = poses.iter().find_map(|pose| pose.rest_verdict.clone());
+    let shared = rest_verdict.as_ref().map(|verdict| verdict.level);
     Ok(Report {
         mimesh: env!("CARGO_PKG_VERSION").into(),
         status: if failed.is_empty() { "done" } else { "partly" }.into(),
@@ -170,7 +172,8 @@ fn assemble(
         target: MeshFigures::new(&prepared.target),
         markers: prepared.markers.len(),
         run: RunOf::new(&prepared.variant),
-        verdict: worst(&poses).max(unmeasured.first().map(|_| Level::Failed)),
+        verdict: worst(&poses).max(shared).max(unmeasured.first().map(|_| Level::Failed)),
+        rest_verdict,
         gates: prepared.gates.iter().map(|gate| (gate.key.clone(), gate.limit.into())).collect(),
         warnings: prepared.warnings.iter().cloned().chain(unmeasured).chain(of_cache).collect(),
         metrics: over_poses(&poses),
@@ -220,7 +223,10 @@ fn is_measured(gate: &Gate, poses: &[PoseReport]) -> bool {
     let is_reason = |reason: &Reason| reason.level == Level::Failed && reason.metric == gate.metric;
     poses.iter().any(|pose| {
         pose.metrics.get(&gate.metric).is_some_and(|statistics| statistics.get(&gate.statistic).is_some())
-            || pose.verdict.as_ref().is_some_and(|verdict| verdict.reasons.iter().any(is_reason))
+            || [&pose.verdict, &pose.rest_verdict]
+                .into_iter()
+                .flatten()
+                .any(|verdict| verdict.reasons.iter().any(is_reason))
     })
 }
 

@@ -30,7 +30,7 @@ pub(super) struct Measurer<'a> {
 pub(super) struct PosedPose {
     /// The target for the vertices of its mesh.
     pub target: PosedTarget,
-    /// The target for the vertices of its surface; empty where nothing is measured.
+    /// The target for the vertices of its surface as stages see it; empty where nothing is measured.
     pub surface: Vec<Point3<f64>>,
     /// Whether the result was cached by an earlier run.
     pub reused: bool,
@@ -86,7 +86,7 @@ impl Measurer<'_> {
         let measurements = self.metrics.measure(MetricInput { result: posed.posed(), ground_truth, source, before });
         let mut metrics = measurements.metrics();
         if let Some(ground_truth) = ground_truth {
-            let rest = Posed { mesh: &target.sequence.rest.positions, surface: &target.surface.positions };
+            let rest = Posed { mesh: &target.sequence.rest.positions, surface: &target.seen_surface().positions };
             let baseline = self.metrics.measure_against_ground_truth(MetricInput::against(rest, ground_truth));
             metrics.rest_baseline = baseline.statistics();
         }
@@ -100,10 +100,11 @@ impl Measurer<'_> {
             report.verdict = self.metrics.verdict(&metrics);
         }
         if let Some(thumbnails) = self.thumbnails {
+            let result = target.mirrored_positions(posed.surface.clone());
             let view = PoseView {
                 name: &report.name,
                 source,
-                result: &posed.surface,
+                result: &result,
                 measurements: &measurements,
                 verdict: report.verdict.as_ref(),
                 limit_ratio: self.metrics.limit_ratio(&metrics),
@@ -116,7 +117,7 @@ impl Measurer<'_> {
     fn ground_truth(&self, i: usize, name: &str) -> Result<Option<[Vec<Point3<f64>>; 2]>> {
         let Prepared { truth, formats, target, .. } = self.prepared;
         let Some(mesh) = truth.positions(i, name, &target.sequence.rest, formats)? else { return Ok(None) };
-        let surface = target.surface.from_mesh(&mesh)?;
+        let surface = target.mirrored_positions(target.surface.from_mesh(&mesh)?);
         Ok(Some([mesh, surface]))
     }
 
@@ -126,6 +127,7 @@ impl Measurer<'_> {
             report.figures.warn(format!("metric {metric}: {error}"));
         }
         report.verdict = self.metrics.verdict(metrics);
+        report.rest_verdict = self.metrics.rest_verdict(metrics);
         report.metrics = metrics.statistics.clone();
         report.rest_baseline = metrics.rest_baseline.clone();
     }

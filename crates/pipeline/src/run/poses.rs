@@ -221,7 +221,7 @@ impl<'a> PoseRunner<'a> {
         let posed = posed.filter(|_| self.measurer.wants_source());
         let source = posed.and_then(|posed| from.surface.from_mesh(posed).ok());
         let surface = if self.measurer.is_measuring() {
-            let surface = rest.surface.from_mesh(&target.positions);
+            let surface = rest.surface.from_mesh(&target.positions).map(|surface| rest.mirrored_positions(surface));
             surface.map_err(|error| pose_error(&pose.name, None, None, error))?
         } else {
             vec![]
@@ -313,7 +313,7 @@ fn posed_target(
         ));
     }
     let target = &prepared.target;
-    let positions = target.surface.to_mesh(&target.from_seen(transferred.positions))?;
+    let positions = target.surface.to_mesh(&target.mirrored_positions(transferred.positions))?;
     check_finite(&positions).map_err(|error| {
         let hint = "the method cannot cope with this pose; look at it, and for degenerate triangles of the rest meshes";
         Error::data(format!("result: {error}"), hint)
