@@ -112,8 +112,8 @@ impl Default for MultiComponent {
             foot_contacts: vec![],
             sampling: Sampling::Points,
             continuation: Continuation::Rotations,
-            max_steps: 1000,
-            tolerance: 1e-5,
+            max_steps: 500,
+            tolerance: 1e-4,
             placement: Placement::Motion,
             orientation: Orientation::Auto,
         }
