@@ -7,7 +7,6 @@ use mimesh_core::{
 use nalgebra::{Matrix3, Point3, Vector3};
 
 use crate::{
-    diagonal,
     distribution::Distribution,
     elements::{self, Elements},
 };
@@ -32,7 +31,7 @@ pub struct PoseFrame {
 impl<'a> SourcePoses<'a> {
     /// The poses of `surface`.
     pub fn new(surface: &'a Surface) -> Self {
-        Self { surface, diagonal: diagonal::of_triangles(surface), edges: elements::edges(surface) }
+        Self { surface, diagonal: surface.diagonal(), edges: elements::edges(surface) }
     }
 
     /// The scale of a pose; 1 where nothing is finite.
