@@ -2,9 +2,9 @@
 #![cfg(feature = "bundled")]
 
 // Links the bundled metrics.
-use mimesh as _;
+use mimesh::core::{plugin, stage::Metric};
 use mimesh_pipeline::{
-    metrics::{over_poses, primary_statistics},
+    metrics::{Level, MetricSet, PoseMetrics, over_poses, primary_statistics},
     report::PoseReport,
 };
 use serde_json::{Value, json};
@@ -50,4 +50,33 @@ fn a_metric_is_shown_by_its_first_statistic_and_by_those_above_their_limits() {
     let verdict = serde_json::from_value(json!({ "level": "bad", "reasons": [reason] })).unwrap();
     let blamed = PoseReport { verdict: Some(verdict), ..measured };
     assert_eq!(names(&[blamed]), ["point_error.mean", "edge_stretch.beyond", "edge_stretch.median"]);
+}
+
+/// Metrics that give verdicts on measurements, and such measurements.
+fn verdicts(values: Value) -> (MetricSet<'static>, PoseMetrics) {
+    let names = ["map_tears", "edge_stretch", "point_error"];
+    let set = MetricSet::for_verdicts(&names.map(|name| plugin::instance::<dyn Metric>(name).unwrap()));
+    (set, PoseMetrics { statistics: values.as_object().unwrap().clone(), ..PoseMetrics::default() })
+}
+
+#[test]
+fn faults_of_the_map_are_judged_once_and_with_no_pose() {
+    let (set, torn) = verdicts(json!({ "map_tears": { "share": 5.0 }, "edge_stretch": { "beyond": 0.0 } }));
+    assert_eq!(set.verdict(&torn).unwrap().level, Level::Good);
+    let shared = set.rest_verdict(&torn).unwrap();
+    assert_eq!((shared.level, shared.reasons[0].metric.as_str()), (Level::Bad, "map_tears"));
+    let (set, no_map) = verdicts(json!({ "edge_stretch": { "beyond": 0.0 } }));
+    assert!(set.rest_verdict(&no_map).is_none());
+}
+
+#[test]
+fn suspicions_are_no_worse_than_doubtful_where_the_result_is_known() {
+    let level = |values: Value| {
+        let (set, measured) = verdicts(values);
+        set.verdict(&measured).unwrap().level
+    };
+    let stretch = json!({ "beyond": 900.0 });
+    assert_eq!(level(json!({ "edge_stretch": stretch })), Level::Bad);
+    assert_eq!(level(json!({ "edge_stretch": stretch, "point_error": { "mean": 0.1 } })), Level::Doubtful);
+    assert_eq!(level(json!({ "edge_stretch": stretch, "point_error": { "mean": 6.0 } })), Level::Bad);
 }
