@@ -108,7 +108,7 @@ impl Case {
 
     fn with_markers(&mut self, pairs: impl IntoIterator<Item = (u32, u32)>) {
         let target = Surface::new(&self.target).unwrap();
-        let point = |surface: &Surface, v: u32| SurfacePoint::Vertex(surface.vertex_of[v as usize]);
+        let point = |surface: &Surface, v: u32| SurfacePoint::Vertex(surface.vertex_of[v as usize].unwrap());
         self.markers = pairs.into_iter().map(|(s, t)| (point(&self.source, s), point(&target, t))).collect();
     }
 }

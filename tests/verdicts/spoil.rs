@@ -81,7 +81,7 @@ pub fn results(case: &Case, target: &Surface, good: &[Positions]) -> Vec<Spoiled
     let diagonal = case.target.diagonal();
     let components = target.components();
     let count = components.count();
-    let of: Vec<Option<u32>> = target.vertex_of.iter().map(|&v| components.of_vertex[v as usize]).collect();
+    let of: Vec<Option<u32>> = target.vertex_of.iter().map(|v| components.of_vertex[(*v)? as usize]).collect();
     let mut all = Vec::new();
     let mut add = |name, scale, change: &mut dyn FnMut(usize, &Positions) -> Positions| {
         let results = good.iter().enumerate().map(|(k, pose)| change(k, pose)).collect();

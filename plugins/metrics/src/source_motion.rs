@@ -192,10 +192,9 @@ impl BoundMetric for Bound<'_> {
         if count < MIN_POINTS {
             return Ok(Measured::default());
         }
-        let mean = |part: fn(&(Vector3<f64>, Vector3<f64>)) -> Vector3<f64>| {
-            both.iter().flatten().map(part).sum::<Vector3<f64>>() / count as f64
-        };
-        let (d_mean, e_mean) = (mean(|pair| pair.0), mean(|pair| pair.1));
+        let zero = (Vector3::zeros(), Vector3::zeros());
+        let (d_sum, e_sum) = both.iter().flatten().fold(zero, |(d_sum, e_sum), (d, e)| (d_sum + d, e_sum + e));
+        let (d_mean, e_mean) = (d_sum / count as f64, e_sum / count as f64);
         let off: Vec<f64> =
             both.iter().map(|pair| pair.map_or(f64::NAN, |(d, e)| ((d - d_mean) - (e - e_mean)).norm())).collect();
         let motions = both.iter().flatten().map(|(_, e)| (e - e_mean).norm());
