@@ -41,7 +41,7 @@ const MIN_POINTS: usize = 4;
 /// What shapes may differ by in their motion, relative to the product of misfit and reach, both in percent.
 const ALLOWED: f64 = 0.025;
 /// Poses in which the source moves less than this in the mean hardly move, in percent.
-const STILL: f64 = 5.0;
+const STILL: f64 = 5.5;
 
 #[typetag::serde(name = "source_motion")]
 impl Metric for SourceMotion {
@@ -61,7 +61,7 @@ impl Metric for SourceMotion {
             Statistic::new(
                 "still_excess",
                 "%",
-                "How much `max` exceeds 0.025 `misfit` `reach`; missing if `source_mean` is above 5 %.",
+                "How much `max` exceeds 0.025 `misfit` `reach`; missing if `source_mean` is above 5.5 %.",
             )
             .with_limits(0.9, 50.0),
             Statistic::new("spike", "%", "Largest spike of a vertex, divided by 1 + (`reach` / 10 %)².")
