@@ -68,6 +68,10 @@ impl Metric for MapCollapse {
     fn by_default(&self) -> bool {
         true
     }
+
+    fn is_of_rest(&self) -> bool {
+        true
+    }
 }
 
 struct Bound<'a> {
