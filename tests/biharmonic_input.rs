@@ -75,7 +75,7 @@ fn project(source: &[(&str, &Surface)], target: &[(&str, &Surface)], markers: &[
     project.write(
         "p.yaml",
         "source: { rest: rest.obj, poses: pose-*.obj }\ntarget: { rest: target.obj }\nmarkers: m.cons\n\
-         key_points: { type: greedy, threshold: 0, max_count: 5, max_rounds: 1, sampler: { type: farthest_point, count: 12 } }\n\
+         key_points: { type: greedy, min_count: 3, threshold: 0, max_count: 5, max_rounds: 1, sampler: { type: farthest_point, count: 12 } }\n\
          transfer: { type: biharmonic }\noutput: out/{pose}.obj\n",
     );
     project

@@ -68,7 +68,7 @@ ouput: x
 "#;
 
 /// The first line of each error; lines of the file and hints follow it.
-const EXPECTED: [&str; 42] = [
+const EXPECTED: [&str; 43] = [
     "p.yaml:1:59: no file matches `posé-*.obj`",
     "p.yaml:9:35: nonrigid_fit needs at least 3 markers, there are 1",
     "p.yaml:16:35: missing key `target`",
@@ -93,6 +93,7 @@ const EXPECTED: [&str; 42] = [
     "p.yaml:33:56: a second entry for this format",
     "p.yaml:34:35: a .obj file holds one pose, so its name needs `{pose}`",
     "p.yaml:34:57: there are several targets and combinations, so the name of what is written needs `{name}`",
+    "p.yaml:34:57: unknown placeholder `{nam}`",
     "p.yaml:34:81: there are several targets and combinations, so the name of what is written needs `{name}`",
     "p.yaml:34:81: a .obj file holds one pose, so its name needs `{pose}`",
     "p.yaml:35:1: unknown key `ouput`",

@@ -72,7 +72,7 @@ fn files_that_cannot_be_included_are_reported_where_they_are_named() {
     );
     project.write("p.yaml", "include: b.yaml\n");
     project.write("b.yaml", "- 1\n");
-    assert_eq!(diagnostics(&project, &[]), ["b.yaml:1:1: expected a mapping with the keys of a pipeline"]);
+    assert_eq!(diagnostics(&project, &[]), ["b.yaml:1:1: expected a mapping of keys"]);
 }
 
 #[test]

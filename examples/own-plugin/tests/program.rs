@@ -65,7 +65,7 @@ fn key_points_are_chosen_with_the_own_sampler_and_weights() {
     let output = program(&["keypoints", "pipeline.yaml", "--output", &markers.to_string_lossy()]);
     assert_eq!(output.status, 0, "{}", output.stderr);
     let text = std::fs::read_to_string(markers).expect("the markers");
-    // The error falls below the threshold with fewer points than are allowed.
+    // At least the default `min_count`, and no more than the pipeline allows.
     assert!((3..=8).contains(&text.matches("target: null").count()), "{text}");
 }
 

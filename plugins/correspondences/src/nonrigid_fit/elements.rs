@@ -9,7 +9,7 @@ use mimesh_core::{
 };
 use nalgebra::{Matrix3, Point3};
 
-use super::{Weighting, link_elements::link_elements, ties::ties, unit_frame::UnitFrame};
+use super::{link_elements::link_elements, ties::ties, unit_frame::UnitFrame, weighting::Weighting};
 
 /// Numbers of a usual mesh, for which the papers' weights are meant.
 const REFERENCE_TRIANGLES: f64 = 40_000.0;

@@ -34,6 +34,7 @@ mod patches;
 mod tears;
 mod ties;
 mod unit_frame;
+mod weighting;
 
 use mimesh_core::{
     Figures, Result,
@@ -48,6 +49,7 @@ use nalgebra::Point3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+pub use self::weighting::Weighting;
 use self::{
     elements::{Elements, EnergyWeights},
     patches::Settled,
@@ -113,17 +115,6 @@ impl Default for NonrigidFit {
             orientation: Orientation::Auto,
         }
     }
-}
-
-/// How triangles and vertices count in the sums of an energy.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Weighting {
-    /// By their share of the area, so that weights mean the same at any resolution.
-    #[default]
-    Area,
-    /// All alike, as the papers print.
-    Uniform,
 }
 
 #[typetag::serde(name = "nonrigid_fit")]
