@@ -44,6 +44,7 @@ fn write(project: &Project, transfer: &str, change: fn(&str) -> String) {
     let (source, target) = (ellipsoid(8, 12), ellipsoid(9, 14));
     project.write("rest.obj", &change(&obj(&source.0, &source.1)));
     project.write("target.obj", &change(&obj(&target.0, &target.1)));
+    std::fs::remove_file(project.path("pose-10.obj")).expect("a pose of the common project");
     for (pose, bend) in [("1", 0.1), ("2", 0.2), ("3", 0.25)] {
         project.write(&format!("pose-{pose}.obj"), &change(&obj(&bent(&source.0, bend), &source.1)));
         project.write(&format!("truth-{pose}.obj"), &change(&obj(&bent(&target.0, bend), &target.1)));
@@ -78,6 +79,11 @@ fn no_figure_no_map_and_no_vertex_depends_on_strays() {
         write(&strays, &format!("{transfer}\n{proximity}keep_correspondence: out/map.json"), with_strays);
         let (expected, found) = (run(&plain), run(&strays));
         for (a, b) in expected["poses"].as_array().unwrap().iter().zip(found["poses"].as_array().unwrap()) {
+            let mut b = b.clone();
+            if let Some(worst) = b.pointer_mut("/metrics/map_collapse/worst") {
+                // A vertex as the file counts, in which a stray comes first.
+                *worst = (worst.as_u64().expect("a vertex") - 1).into();
+            }
             for key in ["metrics", "figures", "verdict", "nothing"] {
                 assert_eq!(a[key], b[key], "{transfer}: {key}");
             }

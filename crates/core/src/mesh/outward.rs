@@ -167,7 +167,7 @@ mod tests {
 
     #[test]
     fn open_components_go_with_most_of_the_area() {
-        let sphere = meshes::icosphere(2);
+        let sphere = meshes::icosphere(4);
         let cap = |above: f64| {
             let is_kept = |t: &&[u32; 3]| t.iter().all(|&v| sphere.positions[v as usize].z >= above);
             Surface::from_triangles(

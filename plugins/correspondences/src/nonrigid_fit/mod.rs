@@ -52,7 +52,7 @@ use serde::{Deserialize, Serialize};
 pub use self::weighting::Weighting;
 use self::{
     elements::{Elements, EnergyWeights},
-    patches::Settled,
+    patches::{Points, Settled},
     unit_frame::UnitFrame,
 };
 use crate::{facing::Facing, sides::keep_sides};
@@ -213,6 +213,3 @@ impl NonrigidFit {
         if first > 0.0 && last > 0.0 { first * (last / first).powf(along) } else { first + (last - first) * along }
     }
 }
-
-/// For each target vertex the source point it lies at, if there is one.
-type Points = Vec<Option<SurfacePoint>>;

@@ -23,8 +23,11 @@ use mimesh_core::{
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 
-use super::{Points, tears::Tears, unit_frame::UnitFrame};
+use super::{tears::Tears, unit_frame::UnitFrame};
 use crate::facing::Facing;
+
+/// For each target vertex the source point it lies at, if there is one.
+pub type Points = Vec<Option<SurfacePoint>>;
 
 /// Larger components have parts of their own, which may lie in several places.
 const MAX_VERTICES: usize = 400;
