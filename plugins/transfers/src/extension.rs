@@ -1,6 +1,6 @@
 //! Deformation gradients of orphans from those of their neighbours.
 
-use std::collections::HashSet;
+use std::collections::{BTreeSet, HashMap, HashSet};
 
 use mimesh_core::{
     Result,
@@ -13,16 +13,17 @@ use petgraph::unionfind::UnionFind;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::shore_motion::{BlendedMotion, ShoreMotion};
+
 /// How triangles that correspond to nothing continue the deformation of their neighbours.
 ///
-/// Both are harmonic extensions over the dual graph: they minimise Σ ‖h_t − h_u‖² over neighbours t, u with what corresponds
-/// held. They agree to first order in the rotations.
+/// Both are harmonic extensions over the dual graph: they minimise Σ ‖h_t − h_u‖² over neighbours t, u with what corresponds held.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Continuation {
-    /// Rotations of shores (what lies together at the border of orphans) by their logarithms, which follow the turns of the
-    /// source from triangle to triangle past a half turn, and gradients relative to them: what is twisted between two shores
-    /// shrinks less. With one shore it is `gradients`.
+    /// Rigid motions of shores (what lies together at the border of orphans), blended as screws, and gradients relative to them: what
+    /// is twisted or bent between two shores keeps its width. Their rotations follow the turns of the source from triangle to
+    /// triangle, past a half turn. With one shore it is `gradients`.
     #[default]
     Rotations,
     /// Deformation gradients themselves, as in Zhou et al. 2010, eq. 7: what is twisted shrinks, by half at 120 degrees.
@@ -55,6 +56,10 @@ pub struct Extension {
     shore: Vec<u32>,
     /// Number of shores.
     shores: usize,
+    /// The motions of regions between several shores.
+    motions: Vec<ShoreMotion>,
+    /// Pairs of neighbours over an edge, one of the held and an orphan, by their places.
+    beside: Vec<[usize; 2]>,
 }
 
 impl Extension {
@@ -93,7 +98,52 @@ impl Extension {
         let system = FixedUnknowns::new(&assembly.finish(), &fixed, "the continuation of the deformation to orphans")?;
         let (region, regions) = numbered(sets.into_labeling());
         let (shore, shores) = shores(target, &triangles[..held]);
-        Ok(Some(Self { system, triangles, held, region, regions, shore, shores }))
+        let places = edges.iter().map(|edge| edge.map(|t| number[t as usize] as usize));
+        let beside = places.filter_map(|[a, b]| match (a < held, b < held) {
+            (true, false) => Some([a, b]),
+            (false, true) => Some([b, a]),
+            _ => None,
+        });
+        let beside = beside.collect();
+        let mut extension = Self { system, triangles, held, region, regions, shore, shores, motions: vec![], beside };
+        if rule.continuation == Continuation::Rotations {
+            extension.motions = extension.motions(target, &is_orphan);
+        }
+        Ok(Some(extension))
+    }
+
+    /// The motions of regions between several shores, but for those that bridges lead to.
+    fn motions(&self, target: &Surface, is_orphan: impl Fn(u32) -> bool) -> Vec<ShoreMotion> {
+        let mut shores = vec![BTreeSet::new(); self.regions];
+        self.region.iter().zip(&self.shore).for_each(|(&region, &shore)| _ = shores[region as usize].insert(shore));
+        let shores: Vec<Vec<u32>> = shores.into_iter().map(|shores| shores.into_iter().collect()).collect();
+        let most = shores.iter().map(Vec::len).max().unwrap_or(0);
+        if most < 2 {
+            return vec![];
+        }
+        // The share of the k-th shore of each region.
+        let n = self.triangles.len();
+        let mut values = Vec::with_capacity(most * self.held);
+        for k in 0..most {
+            let is_kth = |(&region, &shore): (&u32, &u32)| shores[region as usize].get(k) == Some(&shore);
+            values.extend(self.region.iter().zip(&self.shore).map(|held| f64::from(u8::from(is_kth(held)))));
+        }
+        let share = self.system.solve(&vec![0.0; most * n], &values, most);
+        let mut shore_of = HashMap::new();
+        for (&t, &shore) in self.held().iter().zip(&self.shore) {
+            target.triangles[t as usize].iter().for_each(|&v| _ = shore_of.insert(v, shore));
+        }
+        let bridged = orphan_components(target, is_orphan);
+        let mut orphans = vec![Vec::new(); self.regions];
+        for (place, &t) in self.triangles.iter().enumerate().skip(self.held) {
+            orphans[self.region[place] as usize].push((place, t));
+        }
+        let regions = orphans.iter().zip(shores);
+        let regions = regions.filter(|(orphans, _)| !orphans.iter().any(|(_, t)| bridged(*t)));
+        let motion = |(orphans, shores): (&Vec<(usize, u32)>, Vec<u32>)| {
+            ShoreMotion::new(target, orphans, shores, |place, k| share[k * n + place], |v| shore_of.get(&v).copied())
+        };
+        regions.filter_map(motion).collect()
     }
 
     /// The triangles that correspond and lie next to orphans.
@@ -146,16 +196,49 @@ impl Extension {
         let back: Vec<Matrix3<f64>> = shores.iter().map(|q| q.inverse().to_rotation_matrix().into_inner()).collect();
         let without = |(&t, &shore): (&u32, &u32)| back[shore as usize] * field[t as usize] - Matrix3::identity();
         // What no partner reaches is drawn to 0, the identity.
-        let rests: Vec<Matrix3<f64>> = self.held().iter().zip(&self.shore).map(without).collect();
+        let mut rests: Vec<Matrix3<f64>> = self.held().iter().zip(&self.shore).map(without).collect();
+        let mut motion = vec![None; n];
+        let mut shears = vec![None; n];
+        for region in &self.motions {
+            let middle = middle(region.first_place());
+            let logarithm = |shore: u32| logarithm(&(middle.inverse() * shores[shore as usize]));
+            for BlendedMotion { place, gradient, shear } in region.at(&middle, logarithm) {
+                motion[place] = Some(gradient);
+                shears[place] = Some(shear);
+            }
+        }
+        self.leave_out(&shears, &mut rests);
         let mut values = Vec::with_capacity(12 * self.held);
         (0..3).for_each(|axis| values.extend(logarithms.iter().map(|log| log[axis])));
         (0..9).for_each(|entry| values.extend(rests.iter().map(|rest| rest[entry])));
         let x = self.system.solve(&vec![0.0; 12 * n], &values, 12);
         for (place, &t) in self.triangles.iter().enumerate().skip(self.held) {
             let at = |column: usize| x[column * n + place];
-            let turn = middle(place) * UnitQuaternion::from_scaled_axis(Vector3::new(at(0), at(1), at(2)));
+            let turn = || middle(place) * UnitQuaternion::from_scaled_axis(Vector3::new(at(0), at(1), at(2)));
+            let motion = motion[place].unwrap_or_else(|| turn().to_rotation_matrix().into_inner());
             let rest = Matrix3::from_fn(|i, j| at(3 + 3 * j + i)) + Matrix3::identity();
-            field[t as usize] = turn.to_rotation_matrix().into_inner() * rest;
+            field[t as usize] = motion * rest;
+        }
+    }
+
+    /// Takes from what the shores have beside their rotations (`rests`, F − I) as much of the shear of the blended motion next to them
+    /// as they have already: what is twisted on both sides of a shore is not to be twisted twice beside it.
+    fn leave_out(&self, shears: &[Option<Matrix3<f64>>], rests: &mut [Matrix3<f64>]) {
+        let mut fits = vec![(0.0, 0.0); self.shores];
+        let mut beside = vec![(Matrix3::zeros(), 0.0); self.held];
+        for &[k, orphan] in &self.beside {
+            let Some(shear) = shears[orphan] else { continue };
+            let (along, square) = &mut fits[self.shore[k] as usize];
+            *along += rests[k].dot(&shear);
+            *square += shear.norm_squared();
+            beside[k].0 += shear;
+            beside[k].1 += 1.0;
+        }
+        for (k, (sum, count)) in beside.iter().enumerate().filter(|(_, (_, count))| *count > 0.0) {
+            let (along, square) = fits[self.shore[k] as usize];
+            if square > 0.0 {
+                rests[k] -= sum / *count * (along / square).clamp(0.0, 1.0);
+            }
         }
     }
 }
@@ -187,11 +270,17 @@ fn bridges_of_orphan_components<'a>(
     is_orphan: impl Fn(u32) -> bool,
     bridges: &'a [[u32; 2]],
 ) -> impl Iterator<Item = &'a [u32; 2]> {
+    let lies_in_one = orphan_components(target, is_orphan);
+    bridges.iter().filter(move |pair| pair.iter().any(|&t| lies_in_one(t)))
+}
+
+/// Whether a triangle lies in a component of orphans alone.
+fn orphan_components(target: &Surface, is_orphan: impl Fn(u32) -> bool) -> impl Fn(u32) -> bool {
     let components = target.components();
     let component = move |t: u32| components.of_vertex[target.triangles[t as usize][0] as usize];
     let corresponds: HashSet<_> =
         (0..target.triangle_count() as u32).filter(|&t| !is_orphan(t)).map(&component).collect();
-    bridges.iter().filter(move |pair| pair.iter().any(|&t| !corresponds.contains(&component(t))))
+    move |t| !corresponds.contains(&component(t))
 }
 
 /// For each triangle without a neighbour over an edge, as one with a repeated corner, the triangle with which it shares most

@@ -13,6 +13,7 @@ mod lift;
 pub mod multi_component;
 mod placement;
 mod poisson;
+mod shore_motion;
 
 pub use extension::Continuation;
 pub use placement::Placement;

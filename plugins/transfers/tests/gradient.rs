@@ -139,58 +139,89 @@ fn twisted_cylinder(degrees: f64) -> (Surface, Vec<Point3<f64>>) {
     (surface, pose)
 }
 
+/// What the transfers make of `pose` where the middle of the cylinder, from 2 to 4 along it, corresponds to nothing: the mean distance
+/// from `pose`, and the mean radius of the middle ring, of each.
+fn without_the_middle(surface: &Surface, pose: &[Point3<f64>], continuation: Continuation) -> [(f64, f64); 2] {
+    let mut map = identity_map(surface);
+    for (partner, at) in map.triangles.iter_mut().zip(surface.barycentres(&surface.positions)) {
+        *partner = partner.filter(|_| !(2.0..4.0).contains(&at.y));
+    }
+    let stages: [Box<dyn Transfer>; 2] = [
+        Box::new(GradientTransfer { continuation, ..GradientTransfer::default() }),
+        Box::new(MultiComponent { continuation, ..MultiComponent::default() }),
+    ];
+    stages.map(|stage| {
+        let found = run(&*stage, surface, surface, &map, pose).positions;
+        let error: f64 = found.iter().zip(pose).map(|(p, q)| (p - q).norm()).sum();
+        let ring: Vec<_> = (0..found.len()).filter(|&v| (surface.positions[v].y - 3.0).abs() < 1e-9).collect();
+        assert_eq!(ring.len(), 24);
+        let middle = ring.iter().map(|&v| found[v].coords).sum::<Vector3<f64>>() / 24.0;
+        let radius = ring.iter().map(|&v| (found[v].coords - middle).norm()).sum::<f64>() / 24.0;
+        (error / found.len() as f64, radius)
+    })
+}
+
 #[test]
-fn an_orphan_middle_of_a_twisted_cylinder_comes_closer_to_its_pose_by_rotations() {
-    for degrees in [90.0, 150.0, 180.0, 270.0] {
+fn an_orphan_middle_of_a_twisted_cylinder_keeps_its_width_past_a_half_turn() {
+    for degrees in [0.5, 20.0, 90.0, 150.0, 180.0, 270.0] {
         let (surface, pose) = twisted_cylinder(degrees);
-        let mut map = identity_map(&surface);
-        for (partner, at) in map.triangles.iter_mut().zip(surface.barycentres(&surface.positions)) {
-            *partner = partner.filter(|_| !(2.0..4.0).contains(&at.y));
-        }
-        // The mean error, and the mean radius of the middle ring, of each transfer.
-        let measured = |continuation| {
-            let stages: [Box<dyn Transfer>; 2] = [
-                Box::new(GradientTransfer { continuation, ..GradientTransfer::default() }),
-                Box::new(MultiComponent { continuation, ..MultiComponent::default() }),
-            ];
-            stages.map(|stage| {
-                let found = run(&*stage, &surface, &surface, &map, &pose).positions;
-                let error: f64 = found.iter().zip(&pose).map(|(p, q)| (p - q).norm()).sum();
-                let ring: Vec<_> = (0..found.len()).filter(|&v| (surface.positions[v].y - 3.0).abs() < 1e-9).collect();
-                assert_eq!(ring.len(), 24);
-                let middle = ring.iter().map(|&v| found[v].coords).sum::<Vector3<f64>>() / 24.0;
-                let radius = ring.iter().map(|&v| (found[v].coords - middle).norm()).sum::<f64>() / 24.0;
-                (error / found.len() as f64, radius)
-            })
-        };
-        let [gradient, parts] = measured(Continuation::Rotations);
-        let [by_gradients, parts_by_gradients] = measured(Continuation::Gradients);
-        println!("{degrees} degrees: {gradient:?} and {parts:?}, before {by_gradients:?} and {parts_by_gradients:?}");
-        // Measured: 0.69 to 0.75 of the error. The walls pull the middle in, since shear is not continued.
-        assert!(gradient.0 < 0.85 * by_gradients.0, "{degrees}: {gradient:?}, {by_gradients:?}");
-        assert!(parts.0 < parts_by_gradients.0, "{degrees}: {parts:?}, {parts_by_gradients:?}");
-        if degrees <= 180.0 {
-            assert!(gradient.1 > by_gradients.1 + 0.05, "{degrees}: {gradient:?}, {by_gradients:?}");
+        let found = without_the_middle(&surface, &pose, Continuation::Rotations);
+        let by_gradients = without_the_middle(&surface, &pose, Continuation::Gradients);
+        println!("{degrees} degrees: {found:?}, by gradients {by_gradients:?}");
+        for ((error, radius), (before, _)) in found.into_iter().zip(by_gradients) {
+            // The ring of triangles that is held reaches half a cell into the middle: that much of the twist is missing there.
+            assert!((radius - 1.0).abs() < 1e-6 && error < 1e-4 * degrees, "{degrees}: {radius}, {error}");
+            assert!(error < 0.1 * before, "{degrees}: {error}, by gradients {before}");
         }
     }
 }
 
 #[test]
-fn small_turns_are_continued_as_their_gradients_are_to_first_order() {
-    let difference = |degrees: f64| {
-        let (surface, pose) = twisted_cylinder(degrees);
-        let mut map = identity_map(&surface);
-        for (partner, at) in map.triangles.iter_mut().zip(surface.barycentres(&surface.positions)) {
-            *partner = partner.filter(|_| !(2.0..4.0).contains(&at.y));
-        }
-        let found = |continuation| {
-            run(&MultiComponent { continuation, ..MultiComponent::default() }, &surface, &surface, &map, &pose)
+fn rotations_continue_a_twist_or_a_bend_of_the_whole_as_well_as_gradients_do() {
+    let surface = meshes::cylinder(24, 60, 6.0);
+    let along = |p: &Point3<f64>| (p.y - 3.0) / 6.0;
+    for degrees in [10.0f64, 60.0, 120.0] {
+        let angle = degrees.to_radians();
+        let twisted = |p: &Point3<f64>| Rotation3::from_axis_angle(&Vector3::y_axis(), angle * along(p)) * p;
+        // The axis becomes an arc of its own length.
+        let bent = |p: &Point3<f64>| {
+            let (sin, cos) = (angle * along(p)).sin_cos();
+            let radius = 6.0 / angle;
+            Point3::new(radius - (radius - p.x) * cos, (radius - p.x) * sin, p.z)
         };
-        largest_distance(&found(Continuation::Rotations).positions, &found(Continuation::Gradients).positions)
-    };
-    let (small, large) = (difference(0.5), difference(2.0));
-    // A difference of second order is 16 times as large at 4 times the angle; of first order, 4 times.
-    assert!(large > 12.0 * small, "{small} at 0.5 degrees, {large} at 2");
+        // Both ends straight, and the middle bent between them.
+        let hinged = |p: &Point3<f64>| {
+            let share = ((p.y - 2.0) / 2.0).clamp(0.0, 1.0);
+            let (sin, cos) = (angle * share).sin_cos();
+            let radius = 2.0 / angle;
+            let beyond = (p.y - 4.0).max(0.0);
+            let before = (p.y - 2.0).min(0.0);
+            Point3::new(
+                radius - (radius - p.x) * cos + beyond * sin,
+                2.0 + (radius - p.x) * sin + beyond * cos + before,
+                p.z,
+            )
+        };
+        let poses: [(&str, Vec<Point3<f64>>); 3] = [
+            ("twisted", surface.positions.iter().map(twisted).collect()),
+            ("bent", surface.positions.iter().map(bent).collect()),
+            ("hinged", surface.positions.iter().map(hinged).collect()),
+        ];
+        for (name, pose) in poses {
+            let found = without_the_middle(&surface, &pose, Continuation::Rotations);
+            let by_gradients = without_the_middle(&surface, &pose, Continuation::Gradients);
+            println!("{name} by {degrees}: {found:?}, by gradients {by_gradients:?}");
+            let [gradient, parts] = found.map(|(error, _)| error);
+            let [gradient_before, parts_before] = by_gradients.map(|(error, _)| error);
+            assert!(
+                gradient < 0.5 * gradient_before,
+                "{name} by {degrees}: {gradient}, by gradients {gradient_before}"
+            );
+            // Ends that are twisted themselves have a shear that `multi_component` continues as well: 1.5 times the error at most.
+            let most = if name == "twisted" { 1.5 } else { 0.7 };
+            assert!(parts < most * parts_before, "{name} by {degrees}: {parts}, by gradients {parts_before}");
+        }
+    }
 }
 
 #[test]
