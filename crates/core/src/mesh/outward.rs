@@ -13,9 +13,9 @@ const MIN_OPEN_VOLUME: f64 = 0.05;
 
 /// The components of `surface` whose triangles point inwards, ascending.
 ///
-/// A closed component points inwards if the volume that it encloses is negative. Within another one, it may be the wall of a cavity,
-/// and then goes with most of the others. So do components that are open or flat: some point inwards by right, as the socket of an
-/// eye does. Most of the area decides, holes being closed by caps.
+/// A closed component points inwards if the volume that it encloses is negative. Within another one it may be the wall of a cavity,
+/// and goes with most of the others. So do components that are open or flat, since some point inwards by right, like the socket of an
+/// eye. Most of the area decides, with caps over holes.
 pub fn inward_components(surface: &Surface) -> Vec<u32> {
     let components = surface.components();
     let all = enclosed(surface, &components);

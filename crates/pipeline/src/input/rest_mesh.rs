@@ -25,7 +25,7 @@ pub struct RestMesh {
     mirror_image: Option<(Axis, Surface)>,
     /// How its seams are welded.
     pub welding: Welding,
-    /// The mesh as its file has it at rest, with its surface, where a pose serves as the rest; points in files of markers lie on it.
+    /// The mesh as its file has it at rest, with its surface, where a pose serves as the rest. Points in files of markers lie on it.
     pub of_file: Option<(Mesh, Surface)>,
 }
 

@@ -79,7 +79,7 @@ pub struct NonrigidFit {
     pub proximity: f64,
     /// How triangles and vertices count in E_I and E_C.
     pub weighting: Weighting,
-    /// Most vertex pairs of a link that count in E_R; more say the same and only fill the matrix. `~` takes all, as in the paper.
+    /// Most vertex pairs of a link that count in E_R. More say the same and only fill the matrix; `~` takes all, as in the paper.
     #[schemars(range(min = 1))]
     pub link_pairs: Option<usize>,
     /// w_C in the first and in the last step with closest points; it grows geometrically in between.
