@@ -84,7 +84,12 @@ for block in "$work"/blocks/*; do
         fi
         ;;
     *.text) printed "$block" ;;
-    *) cp "$block" "$(cat "${block%.*}.name")" ;;
+    *)
+        name=$(cat "${block%.*}.name")
+        # A sentence put between the name and the block would otherwise write another file, and the page would fail much later.
+        [ -e "$name" ] || { echo "a block follows \`$name\`, which is no file that \`mimesh new\` wrote"; exit 1; }
+        cp "$block" "$name"
+        ;;
     esac
 done
 test -s horse.markers.yaml && ls out/*.obj > /dev/null
