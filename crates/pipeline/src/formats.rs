@@ -3,15 +3,23 @@
 use std::path::{Path, PathBuf};
 
 use mimesh_core::{
-    Error, plugin,
-    stage::{Format, MeshWriter},
+    Error,
+    mesh::{Mesh, MeshSequence},
+    plugin,
+    stage::{FileInput, Format, MeshWriter, Selection},
 };
 use mimesh_document::diagnostic::{self, Diagnostic, Kind, Location};
 use mimesh_markers::IntoDiagnostic;
+use nalgebra::Point3;
 
-/// The registered formats, with the settings that a pipeline gives some of them.
+use crate::file_on_disk::{FileOnDisk, Reach};
+
+/// The registered formats, with the settings that a pipeline gives some of them, and the files that meshes may open.
 #[derive(Debug)]
-pub struct Formats(Vec<Box<dyn Format>>);
+pub struct Formats {
+    all: Vec<Box<dyn Format>>,
+    reach: Reach,
+}
 
 /// How a path is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,8 +31,8 @@ pub enum Writes {
 }
 
 impl Formats {
-    /// Every registered format; those in `settings` replace the default of their type.
-    pub fn new(settings: Vec<Box<dyn Format>>) -> Self {
+    /// Every registered format; those in `settings` replace the default of their type. Mesh files open what is in `reach`.
+    pub fn new(settings: Vec<Box<dyn Format>>, reach: Reach) -> Self {
         let mut formats: Vec<_> = plugin::instances::<dyn Format>().into_iter().map(|(_, format)| format).collect();
         for format in settings {
             match formats.iter_mut().find(|other| other.typetag_name() == format.typetag_name()) {
@@ -32,12 +40,12 @@ impl Formats {
                 None => formats.push(format),
             }
         }
-        Self(formats)
+        Self { all: formats, reach }
     }
 
     /// All of them, with their settings.
     pub fn all(&self) -> &[Box<dyn Format>] {
-        &self.0
+        &self.all
     }
 
     /// The format of `path`.
@@ -49,9 +57,37 @@ impl Formats {
         self.find(path, "read", |_| true)
     }
 
-    /// All files that are read with `path`; `path` alone if it has no format.
+    /// Reads the selected part of the file `path`.
+    ///
+    /// # Errors
+    ///
+    /// Those of the format, and [`Error::File`] for a path that no format fits.
+    pub fn read(&self, path: &Path, selection: &Selection) -> Result<MeshSequence, Error> {
+        self.reader_for(path)?.read(&self.input(path), selection)
+    }
+
+    /// Reads the positions of a pose of `rest` (#V × 3) from the file `path`.
+    ///
+    /// # Errors
+    ///
+    /// As [`read`](Self::read), and if the file does not have the vertices and polygons of `rest`.
+    pub fn read_pose(&self, path: &Path, selection: &Selection, rest: &Mesh) -> Result<Vec<Point3<f64>>, Error> {
+        self.reader_for(path)?.read_pose(&self.input(path), selection, rest)
+    }
+
+    /// All files that are read with `path`: itself and those that it refers to; `path` alone if it has no format.
     pub fn files(&self, path: &Path) -> Vec<PathBuf> {
-        self.reader(path).map_or_else(|_| vec![path.into()], |format| format.files(path))
+        let input = self.input(path);
+        let references = self.reader(path).map(|format| format.references(&input)).unwrap_or_default();
+        std::iter::once(path.into()).chain(references.iter().map(|reference| input.path_of(reference))).collect()
+    }
+
+    fn input(&self, path: &Path) -> FileOnDisk<'_> {
+        FileOnDisk { path: path.into(), reach: &self.reach }
+    }
+
+    fn reader_for(&self, path: &Path) -> Result<&dyn Format, Error> {
+        self.reader(path).map_err(|unknown| Error::file(path, unknown.message, unknown.hint))
     }
 
     /// The format of the file `path`.
@@ -84,7 +120,7 @@ impl Formats {
 
     fn find(&self, path: &Path, does: &str, can: impl Fn(&dyn Format) -> bool) -> Result<&dyn Format, Unknown> {
         let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
-        let able = || self.0.iter().map(Box::as_ref).filter(|format| can(*format));
+        let able = || self.all.iter().map(Box::as_ref).filter(|format| can(*format));
         if let Some(format) = able().find(|f| extension.as_deref().is_some_and(|e| f.extensions().contains(&e))) {
             return Ok(format);
         }

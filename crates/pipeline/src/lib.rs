@@ -11,6 +11,7 @@
 pub mod cache;
 pub mod check;
 pub mod compose;
+mod file_on_disk;
 pub mod formats;
 pub mod globs;
 mod handedness;
@@ -37,6 +38,7 @@ mod testing;
 pub mod text;
 
 pub use check::{Options, prepare_all, prepare_meshes, prepare_source};
+pub use file_on_disk::Reach;
 pub use formats::Formats;
 pub use input::{Prepared, PreparedSource};
 pub use one_or_many::OneOrMany;

@@ -1,12 +1,12 @@
 //! STL, in: triangles without names, joined where their corners have the same coordinates.
 
-use std::{io::Cursor, path::Path};
+use std::io::Cursor;
 
 use mimesh_core::{
     Error, Result,
     mesh::{Mesh, MeshSequence},
     register,
-    stage::Format,
+    stage::{FileInput, Format, Selection},
 };
 use nalgebra::Point3;
 use schemars::JsonSchema;
@@ -27,8 +27,9 @@ impl Format for Stl {
         &["stl"]
     }
 
-    fn read(&self, path: &Path) -> Result<MeshSequence> {
-        let bytes = std::fs::read(path).map_err(|source| Error::read(path, source))?;
+    fn read(&self, input: &dyn FileInput, _: &Selection) -> Result<MeshSequence> {
+        let path = input.path();
+        let bytes = input.contents()?.into_owned();
         let hint = "the file is damaged or cut short: export it again";
         let stl = stl_io::read_stl(&mut Cursor::new(uniform(bytes)))
             .map_err(|problem| Error::file(path, format!("not an STL: {problem}"), hint))?;

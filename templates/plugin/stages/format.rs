@@ -9,7 +9,7 @@ use mimesh_core::{
     Error, Result,
     mesh::{Mesh, MeshSequence},
     register,
-    stage::{Format, MeshWriter, PoseWriter, WriteError},
+    stage::{FileInput, Format, MeshWriter, PoseWriter, Selection, WriteError},
 };
 use nalgebra::Point3;
 use schemars::JsonSchema;
@@ -28,8 +28,10 @@ impl Format for MyStage {
         &["off"]
     }
 
-    fn read(&self, path: &Path) -> Result<MeshSequence> {
-        let text = std::fs::read_to_string(path).map_err(|error| Error::read(path, error))?;
+    fn read(&self, input: &dyn FileInput, _: &Selection) -> Result<MeshSequence> {
+        let path = input.path();
+        let bytes = input.contents()?;
+        let text = String::from_utf8_lossy(&bytes);
         let mut lines = Lines { path, lines: text.lines().enumerate().collect::<Vec<_>>().into_iter(), last: 0 };
         let mut header = lines.words("the line OFF")?;
         match header.first() {
@@ -117,15 +119,14 @@ impl<'a> Lines<'a> {
 
 #[cfg(test)]
 mod tests {
+    use mimesh_core::stage::BytesInput;
+
     use super::*;
 
     #[test]
     fn comments_and_colours_are_skipped() {
-        let path = std::env::temp_dir().join(format!("comments-{}.off", std::process::id()));
-        std::fs::write(&path, "OFF # made by hand\n\n3 1 0\n0 0 0\n1 0 0\n0 1 0 # the last\n3 0 1 2 255 0 0\n")
-            .unwrap();
-        let mesh = MyStage::default().read(&path).unwrap().rest;
-        std::fs::remove_file(&path).unwrap();
+        let text = "OFF # made by hand\n\n3 1 0\n0 0 0\n1 0 0\n0 1 0 # the last\n3 0 1 2 255 0 0\n";
+        let mesh = MyStage::default().read(&BytesInput::new("mesh.off", text), &Selection::default()).unwrap().rest;
         assert_eq!((mesh.positions.len(), mesh.polygons.get(0)), (3, &[0, 1, 2][..]));
     }
 }

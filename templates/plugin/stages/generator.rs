@@ -52,7 +52,7 @@ impl Generator for MyStage {
         let pose = |k: usize| {
             let angle = self.bend.to_radians() * k as f64 / self.frames as f64;
             let positions = positions.iter().map(|p| self.bent(p, angle)).collect();
-            Pose { name: format!("{k:02}"), positions }
+            Pose::new(format!("{k:02}"), positions)
         };
         let landmark = |name: &str, v| Landmark { name: name.into(), point: MeshPoint::Vertex(v) };
         Ok(MeshSequence {

@@ -1,6 +1,4 @@
-use nalgebra::Point3;
-
-use super::{Mesh, MeshPoint};
+use super::{Mesh, MeshPoint, Pose};
 
 /// A rest mesh with its poses, as a file or a generator gives them.
 #[derive(Clone, Debug, Default)]
@@ -11,19 +9,10 @@ pub struct MeshSequence {
     pub poses: Vec<Pose>,
     /// Named points; two meshes' landmarks of one name are a marker.
     pub landmarks: Vec<Landmark>,
-    /// Animations of the file that play the poses, for information.
+    /// The clips of the file, whether its poses are frames of them or not.
     pub animations: Vec<Animation>,
     /// Sentences about data of the file that the reader left out.
     pub warnings: Vec<String>,
-}
-
-/// A posed mesh: positions for the vertices of a rest mesh.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Pose {
-    /// The name: of the file without extension, or of the morph target.
-    pub name: String,
-    /// Posed V, #V × 3.
-    pub positions: Vec<Point3<f64>>,
 }
 
 /// A named point of a mesh.

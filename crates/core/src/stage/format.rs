@@ -1,11 +1,8 @@
-use std::{
-    fmt::Debug,
-    io::Write,
-    path::{Path, PathBuf},
-};
+use std::{fmt::Debug, path::Path};
 
 use nalgebra::Point3;
 
+use super::{FileInput, MeshWriter, Selection};
 use crate::{
     Error, Result,
     mesh::{Mesh, MeshSequence, Polygons},
@@ -23,12 +20,12 @@ pub trait Format: Debug + Send + Sync {
     /// Extensions in lower case without the dot, e.g. `["obj"]`.
     fn extensions(&self) -> &'static [&'static str];
 
-    /// Reads a mesh, and the poses that the file holds.
+    /// Reads the selected part of a file: a mesh, and its poses.
     ///
     /// # Errors
     ///
-    /// [`Error::Io`] if the file cannot be read, [`Error::File`] if its contents are not understood.
-    fn read(&self, path: &Path) -> Result<MeshSequence>;
+    /// [`Error::Io`] if a file cannot be read, [`Error::File`] if its contents are not understood, or have no such part.
+    fn read(&self, input: &dyn FileInput, selection: &Selection) -> Result<MeshSequence>;
 
     /// Reads only the positions of a pose of `rest` (#V × 3), and checks that the file has its vertices and polygons.
     ///
@@ -36,17 +33,22 @@ pub trait Format: Debug + Send + Sync {
     ///
     /// The errors of [`read`](Self::read), and [`Error::File`] that names the counts, or the first polygon, in which the file
     /// differs from `rest`.
-    fn read_pose(&self, path: &Path, rest: &Mesh) -> Result<Vec<Point3<f64>>> {
-        let pose = self.read(path)?.rest;
-        check_pose(path, rest, pose.positions.len(), &pose.polygons)?;
+    fn read_pose(&self, input: &dyn FileInput, selection: &Selection, rest: &Mesh) -> Result<Vec<Point3<f64>>> {
+        let pose = self.read(input, selection)?.rest;
+        check_pose(input.path(), rest, pose.positions.len(), &pose.polygons)?;
         Ok(pose.positions)
     }
 
-    /// All files that reading `path` reads: `path` itself and those that it names, whether they exist or not.
+    /// The references to other files that [`read`](Self::read) opens, whether these exist or not; none if the file cannot be read.
     ///
     /// A cached result depends on the contents of each of them.
-    fn files(&self, path: &Path) -> Vec<PathBuf> {
-        vec![path.into()]
+    fn references(&self, _input: &dyn FileInput) -> Vec<String> {
+        Vec::new()
+    }
+
+    /// Whether a file may hold several poses, so that one named among files of poses is asked for them.
+    fn holds_poses(&self) -> bool {
+        false
     }
 
     /// How this format writes; `None` if it only reads.
@@ -82,63 +84,6 @@ pub fn check_pose(path: &Path, rest: &Mesh, vertices: usize, polygons: &Polygons
         ));
     }
     Ok(())
-}
-
-/// How a format writes: one file a pose, or all poses in one file.
-#[derive(Clone, Copy)]
-pub enum MeshWriter<'a> {
-    /// One file a pose.
-    Pose(&'a dyn PoseWriter),
-    /// One file for rest and poses.
-    Sequence(&'a dyn SequenceFormat),
-}
-
-/// A format that takes one pose a file.
-pub trait PoseWriter {
-    /// Writes `mesh` with its vertices at `positions`.
-    ///
-    /// # Errors
-    ///
-    /// Those of `out`; [`Error::Shape`] if the counts differ.
-    fn write(&self, mesh: &Mesh, positions: &[Point3<f64>], out: &mut dyn Write) -> Result<(), WriteError>;
-}
-
-/// A format that takes a rest mesh and its poses in one file.
-pub trait SequenceFormat {
-    /// Starts a file for `mesh`; poses are added one by one.
-    ///
-    /// # Errors
-    ///
-    /// If the mesh cannot be written in this format, or there is no room for temporary data.
-    fn start(&self, mesh: &Mesh) -> Result<Box<dyn SequenceWriter>, WriteError>;
-}
-
-/// A file in the making that takes poses.
-pub trait SequenceWriter {
-    /// Adds a pose.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::Shape`] if the count differs from the mesh.
-    fn add(&mut self, name: &str, positions: &[Point3<f64>]) -> Result<(), WriteError>;
-
-    /// Writes the file.
-    ///
-    /// # Errors
-    ///
-    /// Those of `out`.
-    fn finish(self: Box<Self>, out: &mut dyn Write) -> Result<(), WriteError>;
-}
-
-/// The error of writing, before a path is known.
-#[derive(Debug, thiserror::Error)]
-pub enum WriteError {
-    /// The sink failed.
-    #[error(transparent)]
-    Io(#[from] std::io::Error),
-    /// The mesh does not go into the format.
-    #[error(transparent)]
-    Mesh(#[from] Error),
 }
 
 crate::stage_kind!(Format, "format");

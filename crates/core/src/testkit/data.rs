@@ -1,11 +1,14 @@
 //! Real meshes and programs that a test needs and the repository does not hold.
 
 use std::{
+    borrow::Cow,
     env, fs,
     io::{Write, stderr},
     path::{Path, PathBuf},
     thread,
 };
+
+use crate::{Error, Result, stage::FileInput};
 
 /// The file or folder `name` of the meshes in `../shared/data`, beside the repository; the whole folder if `name` is empty.
 ///
@@ -22,6 +25,36 @@ pub fn data(name: &str) -> Option<PathBuf> {
         missing(&path.display().to_string(), "tests/DATA.md lists where it comes from");
     }
     found
+}
+
+/// The file at `path` with all files that it refers to, as tests read it.
+///
+/// # Panics
+/// If it is missing.
+#[track_caller]
+pub fn input(path: impl AsRef<Path>) -> TestFile {
+    let path = path.as_ref().to_path_buf();
+    assert!(path.is_file(), "{} is missing", path.display());
+    TestFile(path)
+}
+
+/// A file on the disk that may refer to any other.
+#[derive(Debug)]
+pub struct TestFile(PathBuf);
+
+impl FileInput for TestFile {
+    fn path(&self) -> &Path {
+        &self.0
+    }
+
+    fn contents(&self) -> Result<Cow<'_, [u8]>> {
+        Ok(fs::read(&self.0).map_err(|error| Error::read(&self.0, error))?.into())
+    }
+
+    fn referenced(&self, reference: &str) -> Result<Vec<u8>> {
+        let path = self.path_of(reference);
+        fs::read(&path).map_err(|error| Error::read(&path, error))
+    }
 }
 
 /// Reports on standard error that the calling test is skipped, why, and how to get what is missing.

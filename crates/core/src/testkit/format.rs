@@ -1,13 +1,11 @@
 //! The contract of formats.
 
-use std::path::{Path, PathBuf};
-
 use nalgebra::Point3;
 
 use super::support::{bent_bar, near_within, twisted};
 use crate::{
     mesh::Mesh,
-    stage::{Format, MeshWriter},
+    stage::{BytesInput, Format, MeshWriter, Selection},
 };
 
 /// Formats may store 32-bit numbers.
@@ -19,20 +17,17 @@ pub fn format(name: &str, stage: &dyn Format) {
     assert!(!extensions.is_empty(), "{name}: no extension");
     let lower = |e: &&str| !e.is_empty() && e.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit());
     assert!(extensions.iter().all(lower), "{name}: extensions are lower case without a dot: {extensions:?}");
-    let folder = Folder::new(name);
-    let path = folder.0.join(format!("mesh.{}", extensions[0]));
-    assert!(stage.read(&path).is_err(), "{name}: reads a file that does not exist");
+    let path = format!("mesh.{}", extensions[0]);
 
     let surface = bent_bar();
     let rest = Mesh::from_triangles(surface.positions.clone(), &surface.triangles);
     let Some(bytes) = written(name, stage, &rest, &twisted(&surface, 0.5)) else { return };
-    std::fs::write(&path, &bytes).expect("a file in the temporary folder");
-    let read = stage.read(&path).unwrap_or_else(|error| panic!("{name}: {error}"));
+    let read = stage.read(&BytesInput::new(&path, &bytes[..]), &Selection::default()).unwrap_or_else(|error| panic!("{name}: {error}"));
     assert!(read.rest.polygons == rest.polygons, "{name}: other polygons, or another order");
     let posed = match stage.writer() {
         Some(MeshWriter::Sequence(_)) => {
             near_within(name, "rest positions come back", &read.rest.positions, &rest.positions, TOLERANCE);
-            read.poses.last().map(|pose| pose.positions.clone()).unwrap_or_default()
+            read.poses.last().map(|pose| pose.positions.get().into_owned()).unwrap_or_default()
         }
         _ => read.rest.positions,
     };
@@ -45,7 +40,7 @@ fn written(name: &str, stage: &dyn Format, rest: &Mesh, posed: &[Point3<f64>]) -
     let written = match stage.writer()? {
         MeshWriter::Pose(writer) => writer.write(rest, posed, &mut bytes),
         MeshWriter::Sequence(format) => format.start(rest).and_then(|mut writer| {
-            writer.add("posed", posed)?;
+            writer.add("posed", None, posed)?;
             writer.finish(&mut bytes)
         }),
     };
@@ -54,32 +49,14 @@ fn written(name: &str, stage: &dyn Format, rest: &Mesh, posed: &[Point3<f64>]) -
 }
 
 /// Files cut short anywhere are read as far as their format allows, or refused by name.
-fn damaged(name: &str, stage: &dyn Format, path: &Path, bytes: &[u8]) {
+fn damaged(name: &str, stage: &dyn Format, path: &str, bytes: &[u8]) {
     for part in 0..16 {
-        std::fs::write(path, &bytes[..bytes.len() * part / 16]).expect("a file in the temporary folder");
-        if let Err(error) = stage.read(path) {
+        let input = BytesInput::new(path, &bytes[..bytes.len() * part / 16]);
+        if let Err(error) = stage.read(&input, &Selection::default()) {
             let text = error.to_string();
-            let file = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-            assert!(text.contains(&file), "{name}: the error of a damaged file does not name it: {text}");
+            assert!(text.contains(path), "{name}: the error of a damaged file does not name it: {text}");
         } else {
             assert!(part > 0, "{name}: reads an empty file");
         }
-    }
-}
-
-/// A folder that goes when it is dropped.
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(name: &str) -> Self {
-        let folder = std::env::temp_dir().join(format!("mimesh-format-{name}-{}", std::process::id()));
-        std::fs::create_dir_all(&folder).expect("a temporary folder");
-        Self(folder)
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
     }
 }

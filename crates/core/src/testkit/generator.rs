@@ -9,8 +9,9 @@ pub fn generator(name: &str, stage: &dyn Generator) {
     let sequence = make();
     sequence.rest.validate().unwrap_or_else(|error| panic!("{name}: {error}"));
     for pose in &sequence.poses {
-        assert_eq!(pose.positions.len(), sequence.rest.positions.len(), "{name}: pose {}", pose.name);
-        assert!(pose.positions.iter().all(|p| p.coords.iter().all(|x| x.is_finite())), "{name}: pose {}", pose.name);
+        let positions = pose.positions.get();
+        assert_eq!(positions.len(), sequence.rest.positions.len(), "{name}: pose {}", pose.name);
+        assert!(positions.iter().all(|p| p.coords.iter().all(|x| x.is_finite())), "{name}: pose {}", pose.name);
     }
     let again = one_thread(make);
     assert!(again.rest.positions == sequence.rest.positions && again.poses == sequence.poses, "{name}: not repeatable");

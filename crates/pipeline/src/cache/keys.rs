@@ -221,7 +221,7 @@ fn hash_of_pose(
 ) -> Option<Hash> {
     let mut hasher = Hasher::new();
     match &pose.from {
-        PoseFrom::Held(i) => update_points(&mut hasher, &source.sequence.poses[*i].positions),
+        PoseFrom::Held(i) => update_points(&mut hasher, &source.sequence.poses[*i].positions.get()),
         PoseFrom::File(path) => {
             // How a file is read may depend on the mesh at rest.
             hasher.update(of_source.as_bytes());

@@ -7,7 +7,7 @@ use mimesh_document::{At, Diagnostic, Kind, Step};
 use serde_json::Value;
 
 use super::findings::{Findings, Scope};
-use crate::input::InputFile;
+use crate::{file_on_disk::Reach, input::InputFile};
 
 /// What a caller adds to a pipeline's file.
 #[derive(Clone, Debug, Default)]
@@ -16,6 +16,16 @@ pub struct Options {
     pub settings: Vec<String>,
     /// The folder for results, instead of those of the outputs.
     pub out: Option<PathBuf>,
+    /// Folders whose files meshes may open, beside their own and that of the pipeline.
+    pub roots: Vec<PathBuf>,
+}
+
+impl Options {
+    /// Where files may lie that the meshes of the pipeline `file` refer to.
+    pub(super) fn reach(&self, file: &Path) -> Reach {
+        let folder = file.parent().unwrap_or(Path::new("")).to_path_buf();
+        Reach::new(std::iter::once(folder).chain(self.roots.iter().cloned()))
+    }
 }
 
 /// The fault of a check that refuses a mesh and does not say why.

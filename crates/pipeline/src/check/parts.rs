@@ -39,7 +39,7 @@ pub fn prepare_source(file: &Path, options: &Options, cache: Option<&Cache>) -> 
     resolve_files(&mut document);
     let mut found = Findings { inputs: pipeline_files(file, &included), ..Findings::default() };
     let Parsed { mut pipeline, rejected } = parse(&document, Required::Source, &mut found.diagnostics);
-    let formats = Formats::new(std::mem::take(&mut pipeline.formats));
+    let formats = Formats::new(std::mem::take(&mut pipeline.formats), options.reach(file));
     let scope = Scope { document: &document, formats: &formats, rejected: &rejected };
     check_registry(&mut found);
     check_formats(scope, &mut found);
@@ -75,7 +75,7 @@ pub fn prepare_meshes(file: &Path, options: &Options) -> Result<Meshes> {
     resolve_files(&mut document);
     let mut found = Findings { inputs: pipeline_files(file, &included), ..Findings::default() };
     let Parsed { mut pipeline, rejected } = parse(&document, Required::Meshes, &mut found.diagnostics);
-    let formats = Formats::new(std::mem::take(&mut pipeline.formats));
+    let formats = Formats::new(std::mem::take(&mut pipeline.formats), options.reach(file));
     let scope = Scope { document: &document, formats: &formats, rejected: &rejected };
     let source = poses::rest_file(scope, &mut found, &pipeline.source);
     let target = rest_meshes::target(scope, &mut found, &pipeline.target);

@@ -61,7 +61,7 @@ fn made(
     welding: Welding,
 ) -> Option<RestMesh> {
     let at = path([name, "generator"]);
-    match generator.make().and_then(|made| RestMesh::new(None, made, welding)) {
+    match generator.make().and_then(|made| RestMesh::new(None, Selection::default(), made, welding)) {
         Ok(mesh) => Some(mesh),
         Err(error) if scope.is_reported(&error, &at) => None,
         Err(error) => {
@@ -86,14 +86,12 @@ fn read(
     if found.diagnostics.len() > before || !found.input(scope, role, file, at) {
         return None;
     }
-    let format = match scope.formats.reader(file) {
-        Ok(format) => format,
-        Err(unknown) => {
-            found.wrong(scope, at, At::Value, unknown.message, unknown.hint);
-            return None;
-        }
-    };
-    match format.read(file).and_then(|sequence| RestMesh::new(Some(file.into()), sequence, welding)) {
+    if let Err(unknown) = scope.formats.reader(file) {
+        found.wrong(scope, at, At::Value, unknown.message, unknown.hint);
+        return None;
+    }
+    let read = scope.formats.read(file, &selection);
+    match read.and_then(|sequence| RestMesh::new(Some(file.into()), selection, sequence, welding)) {
         Ok(mesh) => {
             let warnings = mesh.sequence.warnings.iter();
             found.warnings.extend(warnings.map(|warning| format!("{}: {warning}", file.display())));

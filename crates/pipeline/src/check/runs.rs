@@ -105,7 +105,7 @@ fn prepare_one(
     let files = resolve_files(&mut document);
     let mut found = Findings { inputs: pipeline_files(file, included), ..Findings::default() };
     let Parsed { mut pipeline, rejected } = parse(&document, Required::Run, &mut found.diagnostics);
-    let formats = Formats::new(std::mem::take(&mut pipeline.formats));
+    let formats = Formats::new(std::mem::take(&mut pipeline.formats), options.reach(file));
     let scope = Scope { document: &document, formats: &formats, rejected: &rejected };
     let found_mut = &mut found;
     check_registry(found_mut);

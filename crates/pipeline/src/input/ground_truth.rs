@@ -5,6 +5,7 @@ use std::{collections::HashMap, path::PathBuf};
 use mimesh_core::{
     Result,
     mesh::{Mesh, Pose},
+    stage::Selection,
 };
 use nalgebra::Point3;
 
@@ -25,7 +26,7 @@ pub enum GroundTruth {
 impl GroundTruth {
     /// The positions that `poses` hold.
     pub fn held(poses: &[Pose]) -> Self {
-        Self::Held(poses.iter().map(|pose| (pose.name.clone(), pose.positions.clone())).collect())
+        Self::Held(poses.iter().map(|pose| (pose.name.clone(), pose.positions.get().into_owned())).collect())
     }
 
     /// Whether nothing is known.
@@ -43,7 +44,7 @@ impl GroundTruth {
             Self::None => Ok(None),
             Self::Held(by_name) => Ok(by_name.get(name).cloned()),
             Self::Files(files) => match formats.reader(&files[i]) {
-                Ok(format) => format.read_pose(&files[i], rest).map(Some),
+                Ok(_) => formats.read_pose(&files[i], &Selection::default(), rest).map(Some),
                 Err(_) => Ok(None),
             },
         }

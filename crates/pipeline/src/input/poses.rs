@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use mimesh_core::{Error, Result, mesh::check_finite};
+use mimesh_core::{Result, mesh::check_finite};
 use nalgebra::Point3;
 use rayon::prelude::*;
 
@@ -34,11 +34,8 @@ pub enum PoseFrom {
 /// If the pose cannot be read, is no pose of the source, or is not finite.
 pub fn read_pose(source: &RestMesh, formats: &Formats, from: &PoseFrom) -> Result<Vec<Point3<f64>>> {
     let positions = match from {
-        PoseFrom::Held(i) => source.sequence.poses[*i].positions.clone(),
-        PoseFrom::File(path) => match formats.reader(path) {
-            Ok(format) => format.read_pose(path, &source.sequence.rest)?,
-            Err(unknown) => return Err(Error::file(path, unknown.message, unknown.hint)),
-        },
+        PoseFrom::Held(i) => source.sequence.poses[*i].positions.get().into_owned(),
+        PoseFrom::File(path) => formats.read_pose(path, &source.selection, &source.sequence.rest)?,
     };
     check_finite(&positions)?;
     Ok(positions)

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use mimesh_core::{
     Error,
     mesh::{Mesh, MeshSequence, Seams, Surface, Welding, inward_components},
+    stage::Selection,
 };
 use nalgebra::Point3;
 
@@ -15,6 +16,8 @@ use crate::spec::Axis;
 pub struct RestMesh {
     /// Its file; `None` if a generator made it.
     pub path: Option<PathBuf>,
+    /// The part of the file that is read.
+    pub selection: Selection,
     /// The mesh with the poses and landmarks that come with it.
     pub sequence: MeshSequence,
     /// Its surface, with triangles that point outwards.
@@ -38,7 +41,12 @@ impl RestMesh {
     /// # Errors
     ///
     /// As [`Surface::new`], and if no triangle has an area.
-    pub fn new(path: Option<PathBuf>, sequence: MeshSequence, welding: Welding) -> Result<Self, Error> {
+    pub fn new(
+        path: Option<PathBuf>,
+        selection: Selection,
+        sequence: MeshSequence,
+        welding: Welding,
+    ) -> Result<Self, Error> {
         let (surface, inward_components) = outward_surface(&sequence.rest, &welding)?;
         let area: f64 = surface.area_normals(&surface.positions).iter().map(|normal| normal.norm()).sum();
         let diagonal = surface.diagonal();
@@ -46,7 +54,7 @@ impl RestMesh {
             let shape = if diagonal == 0.0 { "all vertices lie on one point" } else { "all vertices lie on a line" };
             return Err(Error::data(format!("the mesh has no area: {shape}"), "export the mesh again with its shape"));
         }
-        Ok(Self { path, surface, sequence, inward_components, mirror_image: None, welding, of_file: None })
+        Ok(Self { path, selection, surface, sequence, inward_components, mirror_image: None, welding, of_file: None })
     }
 
     /// The mesh with the pose at `positions` (#V of the file) as its rest.
@@ -55,10 +63,10 @@ impl RestMesh {
     ///
     /// Those of [`new`](Self::new).
     pub fn resting_at(self, positions: Vec<Point3<f64>>) -> Result<Self, Error> {
-        let Self { path, mut sequence, surface, welding, .. } = self;
+        let Self { path, selection, mut sequence, surface, welding, .. } = self;
         let posed = Mesh { positions, ..sequence.rest.clone() };
         let at_rest = std::mem::replace(&mut sequence.rest, posed);
-        Ok(Self { of_file: Some((at_rest, surface)), ..Self::new(path, sequence, welding)? })
+        Ok(Self { of_file: Some((at_rest, surface)), ..Self::new(path, selection, sequence, welding)? })
     }
 
     /// The seams of the mesh, opened or not.

@@ -87,7 +87,7 @@ impl<'a> PoseRunner<'a> {
                 let diagnostic = match output {
                     Ok(output) => {
                         for (path, writer) in &mut sequences {
-                            let added = writer.add(&pose.name, &output.posed.target.positions);
+                            let added = writer.add(&pose.name, pose.time.as_ref(), &output.posed.target.positions);
                             added.map_err(|error| write_error(path, error).into_diagnostic())?;
                         }
                         stream.add(pose, output);

@@ -1,12 +1,9 @@
 //! The files that a glTF consists of: JSON, binary chunk, data URIs, files beside it.
 
-use std::{
-    borrow::Cow,
-    path::{Path, PathBuf},
-};
+use std::{borrow::Cow, path::Path};
 
 use base64::{Engine, engine::general_purpose::STANDARD};
-use mimesh_core::{Error, Result};
+use mimesh_core::{Error, Result, stage::FileInput};
 
 use super::schema::{Buffer, Root};
 
@@ -26,25 +23,26 @@ impl Asset {
     ///
     /// [`Error::Io`] for a file that cannot be read, [`Error::File`] for one that is damaged, is not glTF 2.0, or needs an
     /// extension without which its meshes cannot be read.
-    pub fn read(path: &Path) -> Result<Self> {
-        let bytes = std::fs::read(path).map_err(|source| Error::read(path, source))?;
+    pub fn read(input: &dyn FileInput) -> Result<Self> {
+        let path = input.path();
+        let bytes = input.contents()?;
         let (root, binary) = parse(path, &bytes)?;
         if !root.asset.version.starts_with("2.") {
             let message = format!("glTF version `{}`: expected 2.0", root.asset.version);
             return Err(Error::file(path, message, "convert the file to glTF 2.0, for example through Blender"));
         }
         check_extensions(path, &root.extensions_required)?;
-        let load = |(index, buffer)| load(path, index, buffer, binary);
+        let load = |(index, buffer)| load(input, index, buffer, binary);
         let buffers = root.buffers.iter().enumerate().map(load).collect::<Result<_>>()?;
         Ok(Self { root, buffers })
     }
 
-    /// The files that a glTF consists of: `path`, then its buffers in files of their own; `path` alone if it cannot be read.
-    pub fn files(path: &Path) -> Vec<PathBuf> {
-        let root = std::fs::read(path).ok().and_then(|bytes| parse(path, &bytes).ok().map(|(root, _)| root));
+    /// The buffers in files of their own; none if the glTF cannot be read.
+    pub fn references(input: &dyn FileInput) -> Vec<String> {
+        let contents = input.contents().ok();
+        let root = contents.and_then(|bytes| parse(input.path(), &bytes).ok().map(|(root, _)| root));
         let uris = root.iter().flat_map(|root| &root.buffers).filter_map(|buffer| buffer.uri.as_deref());
-        let beside = uris.filter(|uri| is_file(uri)).map(|uri| file_of(path, uri));
-        std::iter::once(path.to_path_buf()).chain(beside).collect()
+        uris.filter(|uri| is_file(uri)).map(|uri| decoded(uri).into_owned()).collect()
     }
 }
 
@@ -130,7 +128,8 @@ fn check_extensions(path: &Path, required: &[String]) -> Result<()> {
 }
 
 /// The bytes of buffer `index`.
-fn load(path: &Path, index: usize, buffer: &Buffer, binary: Option<&[u8]>) -> Result<Vec<u8>> {
+fn load(input: &dyn FileInput, index: usize, buffer: &Buffer, binary: Option<&[u8]>) -> Result<Vec<u8>> {
+    let path = input.path();
     let fail = |message: String| Error::file(path, format!("buffer {index} {message}"), DAMAGED);
     let mut bytes = match &buffer.uri {
         None if index == 0 && binary.is_some() => binary.unwrap_or_default().to_vec(),
@@ -144,10 +143,7 @@ fn load(path: &Path, index: usize, buffer: &Buffer, binary: Option<&[u8]>) -> Re
             let hint = "download it, and name the file beside the glTF instead";
             return Err(Error::file(path, format!("buffer {index} lies at {uri}"), hint));
         }
-        Some(uri) => {
-            let file = file_of(path, uri);
-            std::fs::read(&file).map_err(|source| Error::read(&file, source))?
-        }
+        Some(uri) => input.referenced(&decoded(uri))?,
     };
     if bytes.len() < buffer.byte_length {
         return Err(fail(format!("is cut short: expected {} bytes, found {}", buffer.byte_length, bytes.len())));
@@ -159,11 +155,6 @@ fn load(path: &Path, index: usize, buffer: &Buffer, binary: Option<&[u8]>) -> Re
 /// Whether `uri` names a file beside the glTF: it neither holds the data itself nor leads elsewhere.
 fn is_file(uri: &str) -> bool {
     !uri.starts_with("data:") && !uri.contains("://")
-}
-
-/// The file that `uri` names, seen from the glTF `path`.
-fn file_of(path: &Path, uri: &str) -> PathBuf {
-    path.with_file_name(&*decoded(uri))
 }
 
 /// A relative URI as a path: `%20` is a space.
@@ -191,6 +182,8 @@ fn decoded(uri: &str) -> Cow<'_, str> {
 
 #[cfg(test)]
 mod tests {
+    use mimesh_core::stage::BytesInput;
+
     use super::*;
 
     #[test]
@@ -201,17 +194,12 @@ mod tests {
     }
 
     #[test]
-    fn the_files_of_a_gltf_are_itself_and_its_buffers_in_other_files() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("m.gltf");
+    fn a_gltf_refers_to_its_buffers_in_other_files() {
         let uris = ["a%20b.bin", "data:application/octet-stream;base64,AAAA", "https://example.org/c.bin", "d.bin"];
         let buffers = uris.map(|uri| format!(r#"{{ "uri": "{uri}", "byteLength": 3 }}"#)).join(", ");
-        std::fs::write(&path, format!(r#"{{ "asset": {{ "version": "2.0" }}, "buffers": [{buffers}] }}"#)).unwrap();
-        let beside = ["m.gltf", "a b.bin", "d.bin"].map(|name| folder.path().join(name));
-        assert_eq!(Asset::files(&path), beside);
-        let damaged = folder.path().join("damaged.gltf");
-        std::fs::write(&damaged, "{").unwrap();
-        assert_eq!(Asset::files(&damaged), [damaged]);
+        let json = format!(r#"{{ "asset": {{ "version": "2.0" }}, "buffers": [{buffers}] }}"#);
+        assert_eq!(Asset::references(&BytesInput::new("m.gltf", json)), ["a b.bin", "d.bin"]);
+        assert_eq!(Asset::references(&BytesInput::new("damaged.gltf", "{")), [""; 0]);
     }
 
     #[test]

@@ -8,6 +8,7 @@ mod accessor;
 mod animations;
 mod binary;
 mod container;
+mod document;
 mod plan;
 mod primitive;
 mod reader;
@@ -15,14 +16,12 @@ mod scene;
 mod schema;
 mod writer;
 
-use std::path::{Path, PathBuf};
-
 use mimesh_core::{
     Result,
     mesh::{Mesh, MeshSequence},
     plugin::check_ranges,
     register,
-    stage::{Format, MeshWriter, SequenceFormat, SequenceWriter, WriteError},
+    stage::{FileInput, Format, MeshWriter, Selection, SequenceFormat, SequenceWriter, WriteError},
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -76,12 +75,16 @@ impl Format for Glb {
         &["glb"]
     }
 
-    fn read(&self, path: &Path) -> Result<MeshSequence> {
-        reader::read(path)
+    fn read(&self, input: &dyn FileInput, selection: &Selection) -> Result<MeshSequence> {
+        reader::read(input, selection)
     }
 
-    fn files(&self, path: &Path) -> Vec<PathBuf> {
-        Asset::files(path)
+    fn references(&self, input: &dyn FileInput) -> Vec<String> {
+        Asset::references(input)
+    }
+
+    fn holds_poses(&self) -> bool {
+        true
     }
 
     fn writer(&self) -> Option<MeshWriter<'_>> {
@@ -103,12 +106,16 @@ impl Format for Gltf {
         &["gltf"]
     }
 
-    fn read(&self, path: &Path) -> Result<MeshSequence> {
-        reader::read(path)
+    fn read(&self, input: &dyn FileInput, selection: &Selection) -> Result<MeshSequence> {
+        reader::read(input, selection)
     }
 
-    fn files(&self, path: &Path) -> Vec<PathBuf> {
-        Asset::files(path)
+    fn references(&self, input: &dyn FileInput) -> Vec<String> {
+        Asset::references(input)
+    }
+
+    fn holds_poses(&self) -> bool {
+        true
     }
 
     fn writer(&self) -> Option<MeshWriter<'_>> {

@@ -1,11 +1,9 @@
-use std::{
-    collections::{HashMap, HashSet},
-    path::Path,
-};
+use std::collections::{HashMap, HashSet};
 
 use mimesh_core::{
     Error, Result,
     mesh::{CornerAttribute, Material, Mesh, MeshSequence, Part, Pose},
+    stage::{FileInput, Selection},
 };
 use nalgebra::{Matrix3, Point3, Vector3};
 
@@ -23,8 +21,9 @@ use super::{
 /// # Errors
 ///
 /// The errors of [`Asset::read`], and [`Error::File`] that names the mesh, node or accessor that cannot be read.
-pub fn read(path: &Path) -> Result<MeshSequence> {
-    let asset = Asset::read(path)?;
+pub fn read(input: &dyn FileInput, _selection: &Selection) -> Result<MeshSequence> {
+    let path = input.path();
+    let asset = Asset::read(input)?;
     let damaged = |message: String| Error::file(path, message, "the file is damaged: export it again");
     let mut reader = Reader::new(&asset);
     for placed in scene::placed(&asset.root).map_err(damaged)? {
@@ -280,7 +279,7 @@ impl<'a> Reader<'a> {
             for (first, moves) in target.moves {
                 positions[first..].iter_mut().zip(moves).for_each(|(position, displacement)| *position += displacement);
             }
-            Pose { name: target.name, positions }
+            Pose::new(target.name, positions)
         };
         let poses = self.targets.into_iter().map(pose).collect();
         let mut warnings = Vec::new();

@@ -3,7 +3,7 @@ use std::io::{self, Write};
 use base64::{engine::general_purpose::STANDARD, write::EncoderWriter};
 use mimesh_core::{
     Error,
-    mesh::{Mesh, check_finite},
+    mesh::{ClipTime, Mesh, check_finite},
     stage::{SequenceWriter, WriteError},
 };
 use nalgebra::{Point3, Vector3};
@@ -140,7 +140,7 @@ impl Writer {
 }
 
 impl SequenceWriter for Writer {
-    fn add(&mut self, name: &str, positions: &[Point3<f64>]) -> Result<(), WriteError> {
+    fn add(&mut self, name: &str, _time: Option<&ClipTime>, positions: &[Point3<f64>]) -> Result<(), WriteError> {
         Error::check_shape("posed vertices (#V)", self.mesh.positions.len(), positions.len())?;
         check_finite(positions)?;
         check_size(positions)?;

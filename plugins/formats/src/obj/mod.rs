@@ -12,13 +12,13 @@ mod materials;
 mod plain;
 mod reader;
 
-use std::{io::Write, path::Path};
+use std::io::Write;
 
 use mimesh_core::{
     Error, Result,
     mesh::{Mesh, MeshSequence, check_finite},
     register,
-    stage::{Format, MeshWriter, PoseWriter, WriteError},
+    stage::{FileInput, Format, MeshWriter, PoseWriter, Selection, WriteError},
 };
 use nalgebra::Point3;
 use schemars::JsonSchema;
@@ -50,12 +50,12 @@ impl Format for Obj {
         &["obj"]
     }
 
-    fn read(&self, path: &Path) -> Result<MeshSequence> {
-        reader::read(path, std::fs::read(path).map_err(|source| Error::read(path, source))?)
+    fn read(&self, input: &dyn FileInput, _: &Selection) -> Result<MeshSequence> {
+        reader::read(input, input.contents()?.into_owned())
     }
 
-    fn read_pose(&self, path: &Path, rest: &Mesh) -> Result<Vec<Point3<f64>>> {
-        reader::read_pose(path, &std::fs::read(path).map_err(|source| Error::read(path, source))?, rest)
+    fn read_pose(&self, input: &dyn FileInput, _: &Selection, rest: &Mesh) -> Result<Vec<Point3<f64>>> {
+        reader::read_pose(input.path(), &input.contents()?, rest)
     }
 
     fn writer(&self) -> Option<MeshWriter<'_>> {

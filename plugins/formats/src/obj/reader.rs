@@ -3,7 +3,7 @@ use std::{fmt::Display, ops::Range, path::Path};
 use mimesh_core::{
     Error, Result,
     mesh::{CornerAttribute, Document, Mesh, MeshSequence, Part, Polygons},
-    stage::check_pose,
+    stage::{FileInput, check_pose},
 };
 use nalgebra::Point3;
 
@@ -14,13 +14,13 @@ use super::{
     materials,
 };
 
-/// Reads the mesh in `bytes`; `path` is for messages and for finding material libraries.
+/// Reads the mesh in `bytes`, the contents of `input`, which also gives material libraries.
 ///
 /// # Errors
 ///
 /// [`Error::File`] at the line of the first coordinate or corner that is not one, and for a mesh without polygons.
-pub fn read(path: &Path, bytes: Vec<u8>) -> Result<MeshSequence> {
-    let mut reader = Reader::new(path, &bytes);
+pub fn read(input: &dyn FileInput, bytes: Vec<u8>) -> Result<MeshSequence> {
+    let mut reader = Reader::new(input.path(), &bytes);
     let mut attributes = Attributes::default();
     let mut libraries = Vec::new();
     let mut layout = Layout::default();
@@ -57,7 +57,7 @@ pub fn read(path: &Path, bytes: Vec<u8>) -> Result<MeshSequence> {
     let (positions, polygons) = (reader.positions, reader.polygons);
     let mut warnings = attributes.warnings();
     let parts = attributes.close_parts(polygons.len());
-    let materials = materials::read(path, &libraries, &parts, &mut warnings);
+    let materials = materials::read(input, &libraries, &parts, &mut warnings);
     let mut mesh = Mesh { positions, polygons, parts, materials, ..Mesh::default() };
     mesh.texture_coordinates = attribute(attributes.texture_values, attributes.texture_indices);
     mesh.normals = attribute(attributes.normal_values, attributes.normal_indices);

@@ -5,13 +5,13 @@
 mod reader;
 mod writer;
 
-use std::{io::Write, path::Path};
+use std::io::Write;
 
 use mimesh_core::{
     Error, Result,
     mesh::{Mesh, MeshSequence, check_finite},
     register,
-    stage::{Format, MeshWriter, PoseWriter, WriteError},
+    stage::{FileInput, Format, MeshWriter, PoseWriter, Selection, WriteError},
 };
 use nalgebra::Point3;
 use schemars::JsonSchema;
@@ -62,8 +62,8 @@ impl Format for Ply {
         &["ply"]
     }
 
-    fn read(&self, path: &Path) -> Result<MeshSequence> {
-        reader::read(path, &std::fs::read(path).map_err(|source| Error::read(path, source))?)
+    fn read(&self, input: &dyn FileInput, _: &Selection) -> Result<MeshSequence> {
+        reader::read(input.path(), &input.contents()?)
     }
 
     fn writer(&self) -> Option<MeshWriter<'_>> {

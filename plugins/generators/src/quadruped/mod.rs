@@ -184,9 +184,9 @@ impl Quadruped {
         let scaled = |positions: &[Point3<f64>]| positions.iter().map(|p| p * self.size).collect::<Vec<_>>();
         let frames = if self.gait == Gait::None { 0 } else { self.frames };
         let digits = frames.to_string().len().max(2);
-        let pose = |frame: usize| Pose {
-            name: format!("{:0digits$}", frame + 1),
-            positions: scaled(&at(frame as f64 / frames as f64)),
+        let pose = |frame: usize| {
+            let positions = scaled(&at(frame as f64 / frames as f64));
+            Pose::new(format!("{:0digits$}", frame + 1), positions)
         };
         rest.positions = scaled(&rest.positions);
         MeshSequence { rest, poses: (0..frames).into_par_iter().map(pose).collect(), landmarks, ..Default::default() }

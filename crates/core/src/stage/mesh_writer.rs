@@ -1,0 +1,79 @@
+use std::io::Write;
+
+use nalgebra::Point3;
+
+use crate::{
+    Error, Result,
+    mesh::{ClipTime, Mesh},
+};
+
+/// How a format writes: one file a pose, or all poses in one file.
+#[derive(Clone, Copy)]
+pub enum MeshWriter<'a> {
+    /// One file a pose.
+    Pose(&'a dyn PoseWriter),
+    /// One file for rest and poses.
+    Sequence(&'a dyn SequenceFormat),
+}
+
+/// A format that takes one pose a file.
+pub trait PoseWriter {
+    /// Writes `mesh` with its vertices at `positions`.
+    ///
+    /// # Errors
+    ///
+    /// Those of `out`; [`Error::Shape`] if the counts differ.
+    fn write(&self, mesh: &Mesh, positions: &[Point3<f64>], out: &mut dyn Write) -> Result<(), WriteError>;
+}
+
+/// A format that takes a rest mesh and its poses in one file.
+pub trait SequenceFormat {
+    /// Checks that a file of `mesh` with `poses` poses would not be larger than the format allows.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Data`] with both sizes.
+    fn check_size(&self, _mesh: &Mesh, _poses: usize) -> Result<()> {
+        Ok(())
+    }
+
+    /// Starts a file for `mesh`; poses are added one by one.
+    ///
+    /// # Errors
+    ///
+    /// If the mesh cannot be written in this format, or there is no room for temporary data.
+    fn start(&self, mesh: &Mesh) -> Result<Box<dyn SequenceWriter>, WriteError>;
+}
+
+/// A file in the making that takes poses.
+pub trait SequenceWriter {
+    /// Adds a pose, which may be a frame of a clip.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Shape`] if the count differs from the mesh.
+    fn add(&mut self, name: &str, time: Option<&ClipTime>, positions: &[Point3<f64>]) -> Result<(), WriteError>;
+
+    /// Sentences about what the file does not keep or has under another name, once all poses are added.
+    fn warnings(&self) -> Vec<String> {
+        Vec::new()
+    }
+
+    /// Writes the file.
+    ///
+    /// # Errors
+    ///
+    /// Those of `out`.
+    fn finish(self: Box<Self>, out: &mut dyn Write) -> Result<(), WriteError>;
+}
+
+/// The error of writing, before a path is known.
+#[derive(Debug, thiserror::Error)]
+pub enum WriteError {
+    /// The sink failed.
+    #[error(transparent)]
+    Io(#[from] std::io::Error),
+    /// The mesh does not go into the format.
+    #[error(transparent)]
+    Mesh(#[from] Error),
+}

@@ -1,0 +1,112 @@
+//! Mesh files on the disk, and the files beside them that they may open.
+
+use std::{
+    borrow::Cow,
+    fs,
+    path::{Path, PathBuf},
+};
+
+use mimesh_core::{Error, Result, stage::FileInput};
+
+/// The folders whose regular files a mesh file may open; links are resolved first.
+///
+/// The folder of the mesh itself is always one of them.
+#[derive(Clone, Debug, Default)]
+pub struct Reach(Vec<PathBuf>);
+
+impl Reach {
+    /// The folders `folders`, and those below them; a folder that does not exist counts for nothing.
+    pub fn new<P: AsRef<Path>>(folders: impl IntoIterator<Item = P>) -> Self {
+        Self(folders.into_iter().filter_map(|folder| fs::canonicalize(existing(folder.as_ref())).ok()).collect())
+    }
+
+    /// The file at `path` without links, which `mesh` refers to.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Io`] if there is none, [`Error::File`] if it lies elsewhere or is no regular file.
+    fn resolve(&self, mesh: &Path, path: &Path) -> Result<PathBuf> {
+        let found = fs::canonicalize(path).map_err(|error| Error::read(path, error))?;
+        let own = fs::canonicalize(existing(mesh.parent().unwrap_or(Path::new("")))).ok();
+        let refers = |what: &str, hint: &str| Err(Error::file(mesh, format!("it refers to {}, {what}", path.display()), hint));
+        if !own.iter().chain(&self.0).any(|folder| found.starts_with(folder)) {
+            return refers(
+                "which lies neither under the folder of the mesh nor under that of the pipeline",
+                "allow another folder with `root`, or put the file beside the mesh",
+            );
+        }
+        let metadata = fs::metadata(&found).map_err(|error| Error::read(path, error))?;
+        if !metadata.is_file() {
+            return refers("which is no regular file", "put the data into a file beside the mesh");
+        }
+        Ok(found)
+    }
+}
+
+/// The current folder has an empty path in places.
+fn existing(folder: &Path) -> &Path {
+    if folder.as_os_str().is_empty() { Path::new(".") } else { folder }
+}
+
+/// A mesh file on the disk.
+#[derive(Debug)]
+pub(crate) struct FileOnDisk<'a> {
+    /// The file, which may lie anywhere: whoever wrote the pipeline named it.
+    pub path: PathBuf,
+    /// Where files may lie that it refers to.
+    pub reach: &'a Reach,
+}
+
+impl FileInput for FileOnDisk<'_> {
+    fn path(&self) -> &Path {
+        &self.path
+    }
+
+    fn contents(&self) -> Result<Cow<'_, [u8]>> {
+        Ok(fs::read(&self.path).map_err(|error| Error::read(&self.path, error))?.into())
+    }
+
+    fn referenced(&self, reference: &str) -> Result<Vec<u8>> {
+        let path = self.path_of(reference);
+        let found = self.reach.resolve(&self.path, &path)?;
+        fs::read(&found).map_err(|error| Error::read(&path, error))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_mesh_opens_regular_files_below_its_folder_and_the_given_ones_only() {
+        let top = tempfile::tempdir().unwrap();
+        let at = |name: &str| top.path().join(name);
+        for folder in ["mesh/deep", "pipeline", "other"] {
+            fs::create_dir_all(at(folder)).unwrap();
+        }
+        for file in ["mesh/a.bin", "mesh/deep/a.bin", "pipeline/a.bin", "other/a.bin"] {
+            fs::write(at(file), file).unwrap();
+        }
+        let reach = Reach::new([at("pipeline"), at("missing")]);
+        let mesh = FileOnDisk { path: at("mesh/m.gltf"), reach: &reach };
+        let read = |reference: &str| mesh.referenced(reference);
+        for (reference, file) in
+            [("a.bin", "mesh/a.bin"), ("deep/a.bin", "mesh/deep/a.bin"), ("../pipeline/a.bin", "pipeline/a.bin")]
+        {
+            assert_eq!(read(reference).unwrap(), file.as_bytes());
+        }
+        let message = |reference: &str| read(reference).unwrap_err().to_string();
+        assert!(message("../other/a.bin").contains("lies neither under"), "{}", message("../other/a.bin"));
+        assert!(message("/etc/passwd").contains("lies neither under"), "{}", message("/etc/passwd"));
+        assert!(message("deep").contains("no regular file"), "{}", message("deep"));
+        assert!(message("none.bin").contains("cannot read"), "{}", message("none.bin"));
+        #[cfg(unix)]
+        {
+            std::os::unix::fs::symlink(at("other/a.bin"), at("mesh/link.bin")).unwrap();
+            assert!(message("link.bin").contains("lies neither under"), "{}", message("link.bin"));
+            let wide = Reach::new([at("other")]);
+            let mesh = FileOnDisk { path: at("mesh/m.gltf"), reach: &wide };
+            assert_eq!(mesh.referenced("link.bin").unwrap(), b"other/a.bin");
+        }
+    }
+}

@@ -1,0 +1,47 @@
+//! What a writer needs to give a glTF back as it was, with new morph targets.
+
+use std::ops::Range;
+
+use nalgebra::{Matrix4, Point3};
+use serde_json::Value;
+
+/// A glTF as it was read.
+#[derive(Debug, Default)]
+pub struct GltfDocument {
+    /// The JSON of the file, with nothing taken out; numbers that JSON does not know are null.
+    pub json: Value,
+    /// The contents of its buffers.
+    pub buffers: Vec<Vec<u8>>,
+    /// The contents of the images in files of their own, by the number of the image.
+    pub images: Vec<(usize, Vec<u8>)>,
+    /// The contents of the buffer views that are compressed in the file, by the number of the view.
+    pub decompressed: Vec<(usize, Vec<u8>)>,
+    /// Where the vertices of the mesh come from, in their order.
+    pub placements: Vec<Placement>,
+}
+
+/// A run of vertices of the mesh: those of primitives that share them, under one node.
+#[derive(Debug)]
+pub struct Placement {
+    /// The node.
+    pub node: usize,
+    /// The mesh of the node.
+    pub mesh: usize,
+    /// The primitives of the mesh, by number, that share the vertices.
+    pub primitives: Vec<usize>,
+    /// The vertices.
+    pub vertices: Range<usize>,
+    /// The vertices as the file stores them, #V × 3: before morph targets, joints and the node move them.
+    pub stored: Vec<Point3<f64>>,
+    /// The transforms from the stored mesh to the scene, at rest.
+    pub scene_from_stored: Transforms,
+}
+
+/// The transforms of vertices.
+#[derive(Debug)]
+pub enum Transforms {
+    /// One for all.
+    Uniform(Matrix4<f64>),
+    /// One a vertex, for skinned meshes.
+    Skinned(Vec<Matrix4<f64>>),
+}
