@@ -9,13 +9,11 @@ use std::path::{Path, PathBuf};
 use common::assert_at_most;
 use mimesh::core::{
     mesh::{Mesh, Surface, SurfacePoint},
-    plugin::instances,
     spatial::Similarity,
     stage::{
-        BindInput, Correspondence, Format, Marker, Metric, MetricContext, MetricInput, Posed, Proximity, Transfer,
-        TransferPair,
+        BindInput, Correspondence, Marker, Metric, MetricContext, MetricInput, Posed, Proximity, Transfer, TransferPair,
     },
-    testkit::data::data,
+    testkit::data::{data, read_mesh},
 };
 use nalgebra::{Point3, Rotation3, Vector3};
 
@@ -41,10 +39,7 @@ struct Score {
 }
 
 fn read(path: &Path) -> Mesh {
-    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default();
-    let formats = instances::<dyn Format>();
-    let (_, format) = formats.iter().find(|(_, f)| f.extensions().contains(&extension)).expect("a known format");
-    format.read(path).unwrap_or_else(|error| panic!("{error}")).rest
+    read_mesh(path).rest
 }
 
 fn positions(paths: impl IntoIterator<Item = PathBuf>) -> Vec<Vec<Point3<f64>>> {

@@ -10,9 +10,8 @@ use common::assert_at_most;
 use mimesh::core::{
     Figures,
     mesh::Surface,
-    plugin::instances,
-    stage::{Clusterer, Deformer, Format, HandleWeights, Regions},
-    testkit::data::data,
+    stage::{Clusterer, Deformer, HandleWeights, Regions},
+    testkit::data::{data, read_mesh},
 };
 use nalgebra::{DMatrix, Point3};
 use serde_json::json;
@@ -27,9 +26,7 @@ struct Body {
 impl Body {
     fn read() -> Option<Self> {
         let folder = data("bodies-2k")?;
-        let formats = instances::<dyn Format>();
-        let (_, obj) = formats.iter().find(|(_, f)| f.extensions().contains(&"obj")).expect("OBJ is bundled");
-        let read = |name: &str| obj.read(&folder.join(format!("source/{name}.obj"))).expect("a mesh").rest;
+        let read = |name: &str| read_mesh(folder.join(format!("source/{name}.obj"))).rest;
         let surface = Surface::new(&read("rest")).expect("a surface");
         let poses = ["bow", "crouch", "kick", "reach", "stride", "twist"].map(|name| read(name).positions).to_vec();
         let mut matrix = rows_of_12(&folder.join("bbw-weights.npy"));

@@ -10,9 +10,8 @@ use common::assert_at_most;
 use mimesh::core::{
     Figures,
     mesh::{Surface, SurfacePoint},
-    plugin::instances,
-    stage::{BoundWeights, Format, Proximity, Sampler, Weights},
-    testkit::data::data,
+    stage::{BoundWeights, Proximity, Sampler, Weights},
+    testkit::data::{data, read_mesh},
 };
 use nalgebra::DMatrix;
 
@@ -20,9 +19,7 @@ use nalgebra::DMatrix;
 const TOLERANCE: f64 = 1e-6;
 
 fn surface(path: &Path) -> Surface {
-    let formats = instances::<dyn Format>();
-    let (_, format) = formats.iter().find(|(_, f)| f.extensions().contains(&"obj")).expect("a reader of OBJ");
-    Surface::new(&format.read(path).unwrap_or_else(|error| panic!("{error}")).rest).unwrap()
+    Surface::new(&read_mesh(path).rest).unwrap()
 }
 
 /// The matrix of an NPY file of version 1 that holds doubles.

@@ -108,8 +108,8 @@ fn unreadable_poses(all: &[Prepared]) -> Vec<Diagnostic> {
             return None;
         }
         let rest = &prepared.source.sequence.rest;
-        let format = prepared.formats.reader(file).ok()?;
-        let checked = format.read_pose(file, rest).and_then(|positions| mimesh_core::mesh::check_finite(&positions));
+        let read = prepared.formats.read_pose(file, &prepared.source.selection, rest);
+        let checked = read.and_then(|positions| mimesh_core::mesh::check_finite(&positions));
         checked.err().map(|error| pipeline::check::in_file(file, error))
     };
     all.iter().flat_map(|run| run.poses.iter().map(move |pose| (run, pose))).filter_map(read).collect()

@@ -7,7 +7,7 @@ use mimesh_document::{
     Diagnostic, Location, Remedy,
     diagnostic::{SET_VALUE, SHOW_SETTINGS},
 };
-use mimesh_markers::{OTHER_OUTPUT_FOLDER, remedies};
+use mimesh_markers::{OTHER_OUTPUT_FOLDER, OTHER_ROOT, remedies};
 use mimesh_pipeline::{
     cache::{OTHER_CACHE_FOLDER, WITHOUT_CACHE},
     check::OTHER_MESHES,
@@ -58,6 +58,7 @@ fn flag(remedy: &Remedy) -> Option<String> {
         SHOW_SETTINGS => format!("`mimesh show {argument}`"),
         LIST_TYPES => "`mimesh list`".into(),
         OTHER_OUTPUT_FOLDER => "`--out DIR`".into(),
+        OTHER_ROOT => "`--root DIR`".into(),
         WITHOUT_CACHE => "`--no-cache`".into(),
         OTHER_CACHE_FOLDER => "`--cache DIR`".into(),
         OTHER_MESHES => "`--source MESH --target MESH`".into(),
@@ -91,6 +92,8 @@ mod tests {
     fn every_action_names_its_flag() {
         let elsewhere = hint("free some space", OTHER_OUTPUT_FOLDER, "", "write elsewhere");
         assert_eq!(elsewhere, "free some space, or write elsewhere: `--out DIR`");
+        let root = hint("put the file beside the mesh", OTHER_ROOT, "", "allow its folder");
+        assert_eq!(root, "put the file beside the mesh, or allow its folder: `--root DIR`");
         assert_eq!(hint("", WITHOUT_CACHE, "", "run without the cache"), "run without the cache: `--no-cache`");
         let other_cache = hint("", OTHER_CACHE_FOLDER, "", "name another folder for the cache");
         assert_eq!(other_cache, "name another folder for the cache: `--cache DIR`");

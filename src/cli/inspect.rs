@@ -1,10 +1,11 @@
 //! `mimesh inspect`: the content and the defects of a mesh.
 
+use crate::cli::roots::Roots;
+use mimesh_core::stage::Selection;
 use std::path::{Path, PathBuf};
 
 use mimesh_core::mesh::{Animation, MeshSequence, Part, Statistics};
 use mimesh_pipeline::{
-    Formats,
     check::in_file,
     text::{bytes, count, number, pairs, seconds, thousands},
 };
@@ -26,16 +27,18 @@ pub struct Inspect {
     /// Print the graph of components for Graphviz: `mimesh inspect MESH --graphviz | dot -Tsvg > graph.svg`
     #[arg(long, conflicts_with_all = ["json", "components"])]
     graphviz: bool,
+    #[command(flatten)]
+    roots: Roots,
 }
 
 impl Inspect {
     /// Runs the command.
     pub fn run(&self) -> CommandResult {
         let file = &self.mesh;
-        let formats = Formats::new(vec![]);
+        let formats = self.roots.formats();
         let format = formats.reader_of(file)?;
         let with_file = |error| in_file(file, error);
-        let sequence = format.read(file).map_err(with_file)?;
+        let sequence = formats.read(file, &Selection::default()).map_err(with_file)?;
         let statistics = Statistics::new(&sequence.rest).map_err(with_file)?;
         let size = std::fs::metadata(file).map(|metadata| metadata.len()).unwrap_or_default();
         let graph = match self.components || self.graphviz {

@@ -1,5 +1,6 @@
 //! `mimesh keypoints`: the points of the source that are worth a marker.
 
+use crate::cli::roots::Roots;
 use std::{
     io::Write,
     path::{Path, PathBuf},
@@ -50,6 +51,8 @@ pub struct KeyPoints {
     #[arg(long = "set", value_name = "KEY=VALUE")]
     settings: Vec<String>,
     #[command(flatten)]
+    roots: Roots,
+    #[command(flatten)]
     cache: CacheOptions,
     /// Print the points and the steps as JSON
     #[arg(long)]
@@ -66,7 +69,7 @@ const HEADER: &str =
 impl KeyPoints {
     /// Runs the command.
     pub fn run(&self) -> CommandResult {
-        let options = Options { settings: self.settings.clone(), out: None };
+        let options = Options { settings: self.settings.clone(), roots: self.roots.folders(), ..Options::default() };
         let prepared = pipeline::prepare_source(&self.pipeline, &options, self.cache.open()?.as_ref())?;
         let output = self.output_file(&prepared);
         let previous = self.previous_markers(&output)?;

@@ -19,6 +19,7 @@ mod progress;
 mod registry;
 mod render;
 mod results_file;
+mod roots;
 mod run;
 mod schema;
 mod score;

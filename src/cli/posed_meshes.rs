@@ -1,5 +1,6 @@
 //! Meshes in their poses, from files and globs on the command line.
 
+use mimesh_core::stage::Selection;
 use std::path::{Path, PathBuf};
 
 use mimesh_core::mesh::{Mesh, MeshSequence, Pose};
@@ -41,7 +42,7 @@ pub fn read_all(formats: &Formats, pattern: &str, file_name: fn(&GlobMatch) -> S
         }
         let posed = |pose: Pose| PosedMesh {
             name: pose.name,
-            mesh: Mesh { positions: pose.positions, ..rest.clone() },
+            mesh: Mesh { positions: pose.positions.get().into_owned(), ..rest.clone() },
             file: found.path.clone(),
         };
         all.extend(poses.into_iter().map(posed));
@@ -55,5 +56,6 @@ pub fn read_all(formats: &Formats, pattern: &str, file_name: fn(&GlobMatch) -> S
 ///
 /// A diagnostic if no format reads it, or if it is damaged.
 pub fn read(formats: &Formats, file: &Path) -> Result<MeshSequence> {
-    Ok(formats.reader_of(file)?.read(file).map_err(|error| in_file(file, error))?)
+    formats.reader_of(file)?;
+    Ok(formats.read(file, &Selection::default()).map_err(|error| in_file(file, error))?)
 }

@@ -1,5 +1,6 @@
 //! `mimesh render`: meshes as a picture.
 
+use crate::cli::roots::Roots;
 use std::path::{Path, PathBuf};
 
 use mimesh_core::{
@@ -50,6 +51,8 @@ pub struct Render {
     /// Write the picture into this file
     #[arg(long, value_name = "FILE.png")]
     out: PathBuf,
+    #[command(flatten)]
+    roots: Roots,
     /// One known result for each mesh, as files or globs; colours show distances to it after aligning centroids
     #[arg(long, value_name = "MESH")]
     truth: Vec<String>,
@@ -88,7 +91,7 @@ impl Render {
     pub fn run(&self) -> CommandResult {
         let out = OutFile { option: "--out", file: &self.out };
         out.check(&["png"])?;
-        let formats = Formats::new(vec![]);
+        let formats = self.roots.formats();
         let meshes = read_patterns(&formats, &self.meshes)?;
         let truths = if self.truth.is_empty() { vec![] } else { read_patterns(&formats, &self.truth)? };
         let read = meshes.iter().chain(&truths).map(|posed| &*posed.file).chain(self.markers.as_deref());

@@ -15,8 +15,8 @@ use {
 };
 
 use crate::cli::{
-    cache::CacheOptions, flags::with_flags, progress::TerminalProgress, results_file::ResultsFile, status::Status,
-    summary, terminal,
+    cache::CacheOptions, flags::with_flags, progress::TerminalProgress, results_file::ResultsFile, roots::Roots,
+    status::Status, summary, terminal,
 };
 
 /// Runs a pipeline: pairs the meshes, transfers every pose and writes the results.
@@ -62,12 +62,14 @@ pub struct Overrides {
     /// Write all results into this folder instead; each of several runs gets a folder of its name in it
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    roots: Roots,
 }
 
 impl Overrides {
     /// The same as options of the pipeline crate.
     pub fn options(&self) -> Options {
-        Options { settings: self.settings.clone(), out: self.out.clone() }
+        Options { settings: self.settings.clone(), out: self.out.clone(), roots: self.roots.folders() }
     }
 }
 

@@ -1,12 +1,12 @@
 //! `mimesh score`: the errors of results against known results.
 
+use crate::cli::roots::Roots;
 use std::path::{Path, PathBuf};
 
 use mimesh_core::mesh::{Mesh, Surface};
 use mimesh_document::diagnostic::{Diagnostic, Kind, Result};
 use mimesh_markers::IntoDiagnostic;
 use mimesh_pipeline::{
-    Formats,
     check::in_file,
     globs::GlobMatch,
     json::to_value,
@@ -44,6 +44,8 @@ pub struct Score {
     /// End with exit status 3 if an average is larger than this, e.g. rms=1.5
     #[arg(long, value_name = "STATISTIC=PERCENT")]
     at_most: Vec<String>,
+    #[command(flatten)]
+    roots: Roots,
     /// Print the scores as JSON
     #[arg(long)]
     json: bool,
@@ -61,7 +63,7 @@ impl Score {
     /// Runs the command.
     pub fn run(&self) -> CommandResult {
         let limits = self.at_most.iter().map(|text| parse_limit(text)).collect::<Result<Vec<_>>>()?;
-        let formats = Formats::new(vec![]);
+        let formats = self.roots.formats();
         let name = |found: &GlobMatch| found.name.clone();
         let results = read_all(&formats, &self.result, name)?;
         let truths = read_all(&formats, &self.truth, name)?;

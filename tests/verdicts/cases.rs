@@ -4,8 +4,8 @@ use std::path::Path;
 
 use mimesh::core::{
     mesh::{Mesh, MeshSequence, Surface, SurfacePoint},
-    plugin::instances,
-    stage::{Format, Generator},
+    stage::Generator,
+    testkit::data::read_mesh,
 };
 use nalgebra::Point3;
 
@@ -33,14 +33,8 @@ const NEAREST: &str = r#"{ "type": "nearest" }"#;
 const GRADIENT: &str = r#"{ "type": "gradient" }"#;
 const PARTS: &str = r#"{ "type": "multi_component" }"#;
 
-fn format(path: &Path) -> Box<dyn Format> {
-    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default();
-    let mut formats = instances::<dyn Format>().into_iter().map(|(_, format)| format);
-    formats.find(|format| format.extensions().contains(&extension)).expect("a known format")
-}
-
 fn read(path: &Path) -> Mesh {
-    format(path).read(path).unwrap_or_else(|error| panic!("{error}")).rest
+    read_mesh(path).rest
 }
 
 /// Judges all cases, made one at a time; with `VERDICTS_ONLY` in the environment those that have it in their names.
@@ -286,8 +280,9 @@ fn made(proportions: &str, gait: &str, made_of: &str, chooses: bool) -> Case {
             case.markers.push(pair);
         }
     }
-    case.poses = horse.poses.iter().map(|p| (p.name.clone(), case.source.from_mesh(&p.positions).unwrap())).collect();
-    case.truth = animal.poses.into_iter().map(|pose| pose.positions).collect();
+    case.poses =
+        horse.poses.iter().map(|p| (p.name.clone(), case.source.from_mesh(&p.positions.get()).unwrap())).collect();
+    case.truth = animal.poses.into_iter().map(|pose| pose.positions.get().into_owned()).collect();
     case
 }
 

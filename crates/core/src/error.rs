@@ -63,6 +63,16 @@ pub enum Error {
         /// The system's answer.
         source: std::io::Error,
     },
+    /// A file that another refers to and that may not be opened.
+    #[error("{}: it refers to {}, {reason}", path.display(), referenced.display())]
+    OutOfReach {
+        /// The file that refers to the other.
+        path: PathBuf,
+        /// The other.
+        referenced: PathBuf,
+        /// Why it may not be opened.
+        reason: &'static str,
+    },
     /// A linear system without a unique solution.
     #[error("{what} is not positive definite")]
     Singular {
@@ -131,6 +141,7 @@ impl Error {
             Self::Data { hint, .. } | Self::File { hint, .. } | Self::Singular { hint, .. } if !hint.is_empty() => {
                 Some(hint)
             }
+            Self::OutOfReach { .. } => Some("put the file beside the one that refers to it"),
             _ => None,
         }
     }

@@ -10,6 +10,9 @@ use mimesh_document::{Diagnostic, Kind, Location, files};
 /// Remedy: write the results into another folder.
 pub const OTHER_OUTPUT_FOLDER: &str = "other_output_folder";
 
+/// Remedy: let meshes refer to files in another folder.
+pub const OTHER_ROOT: &str = "other_root";
+
 /// Errors that can be shown as a [`Diagnostic`].
 pub trait IntoDiagnostic {
     /// The error as a diagnostic at the file and line that it names.
@@ -26,6 +29,11 @@ impl IntoDiagnostic for Error {
             }
             Error::File { path, line: None, message, .. } => {
                 Diagnostic { message, ..diagnostic }.at(Location::File(path))
+            }
+            Error::OutOfReach { path, referenced, reason } => {
+                let message = format!("it refers to {}, {reason}", referenced.display());
+                let diagnostic = Diagnostic { message, ..diagnostic }.at(Location::File(path));
+                diagnostic.remedy(OTHER_ROOT, "", "allow its folder")
             }
             Error::Io { path, action: "write", source } => {
                 let message = files::io_message("write", &source);

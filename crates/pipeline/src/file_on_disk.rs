@@ -24,22 +24,16 @@ impl Reach {
     ///
     /// # Errors
     ///
-    /// [`Error::Io`] if there is none, [`Error::File`] if it lies elsewhere or is no regular file.
+    /// [`Error::Io`] if there is none, [`Error::OutOfReach`] if it lies elsewhere or is no regular file.
     fn resolve(&self, mesh: &Path, path: &Path) -> Result<PathBuf> {
         let found = fs::canonicalize(path).map_err(|error| Error::read(path, error))?;
         let own = fs::canonicalize(existing(mesh.parent().unwrap_or(Path::new("")))).ok();
-        let refers = |what: &str, hint: &str| Err(Error::file(mesh, format!("it refers to {}, {what}", path.display()), hint));
+        let refused = |reason| Err(Error::OutOfReach { path: mesh.into(), referenced: path.into(), reason });
         if !own.iter().chain(&self.0).any(|folder| found.starts_with(folder)) {
-            return refers(
-                "which lies neither under the folder of the mesh nor under that of the pipeline",
-                "allow another folder with `root`, or put the file beside the mesh",
-            );
+            return refused("which lies neither under its own folder nor under that of the pipeline");
         }
         let metadata = fs::metadata(&found).map_err(|error| Error::read(path, error))?;
-        if !metadata.is_file() {
-            return refers("which is no regular file", "put the data into a file beside the mesh");
-        }
-        Ok(found)
+        if metadata.is_file() { Ok(found) } else { refused("which is no regular file") }
     }
 }
 

@@ -25,6 +25,7 @@ pub mod parse;
 pub mod pictures;
 pub mod placeholder;
 pub mod plan;
+pub mod pose_files;
 pub mod progress;
 pub mod report;
 pub mod rest;

@@ -7,7 +7,12 @@ use mimesh_markers::MarkerFiles;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::{one_or_many::OneOrMany, rest::Rest, seam_points::SeamPoint};
+use crate::{
+    one_or_many::OneOrMany,
+    pose_files::Poses,
+    rest::{self, Rest},
+    seam_points::SeamPoint,
+};
 
 /// A pipeline: a source with its poses, a target, and how the target takes the poses.
 ///
@@ -78,18 +83,25 @@ pub struct Pipeline {
 #[serde(default, deny_unknown_fields)]
 #[schemars(extend("x-renamed" = { "sample": "generator" }))]
 pub struct Source {
-    /// The mesh at rest: a file, or `{ file: horse.glb, pose: stand }` for one of its poses in place of the file's own rest.
+    /// The mesh at rest: a file, or a mapping such as `{ file: horse.glb, meshes: [Body], pose: stand }`.
     ///
-    /// Both rests should show the same shape, e.g. both animals standing. Where the file rests otherwise, a pose may serve.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("examples" = ["horse.obj", { "file": "horse.glb", "pose": "stand" }]))]
+    /// `meshes` are the parts that give their motion. Both rests should show the same shape, e.g. both animals standing. Where the file
+    /// rests otherwise, one of the poses may serve (`pose: NAME`), or a clip (`clip: Run, time: 0.4`).
+    #[serde(
+        skip_serializing_if = "Option::is_none",
+        deserialize_with = "rest::path_or_mapping",
+        serialize_with = "rest::as_short_as_possible"
+    )]
+    #[schemars(schema_with = "rest::schema", extend("examples" = ["horse.obj", { "file": "horse.glb", "pose": "stand" }]))]
     pub rest: Option<Rest>,
     /// Its poses: a glob such as `horse-??.obj`, or a sequence of paths and globs; in natural order, without the rest mesh.
     ///
-    /// A pose is called what the wildcards stand for, else like its file. Left out, the poses are those that the rest
-    /// file holds (morph targets).
+    /// A pose is called what the wildcards stand for, else like its file. A file that holds poses gives all of them, its morph targets
+    /// or else its clip. `{ clip: Run, fps: 24 }` are frames of a clip, of the rest's file or another. Left out, the poses are the morph
+    /// targets of the rest's file.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub poses: Option<OneOrMany>,
+    #[schemars(extend("examples" = ["horse-??.obj", { "clip": "Run", "fps": 24 }]))]
+    pub poses: Option<Poses>,
     /// Boundaries are welded where their vertices are nearer to each other than this, relative to the diagonal; left out, where they
     /// coincide exactly. For meshes whose triangles are apart by noise in the last digits.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -111,9 +123,17 @@ pub struct Source {
 #[serde(default, deny_unknown_fields)]
 #[schemars(extend("x-renamed" = { "sample": "generator" }))]
 pub struct Target {
-    /// The mesh at rest.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub rest: Option<PathBuf>,
+    /// The mesh at rest: a file, or a mapping such as `{ file: avatar.glb, meshes: [Face] }`.
+    ///
+    /// `meshes` are the parts that take the motion; results keep the others as they are. `pose: NAME` or `clip: Run, time: 0.4` takes
+    /// another shape that the file holds for its rest.
+    #[serde(
+        skip_serializing_if = "Option::is_none",
+        deserialize_with = "rest::path_or_mapping",
+        serialize_with = "rest::as_short_as_possible"
+    )]
+    #[schemars(schema_with = "rest::schema", extend("examples" = ["camel.obj", { "file": "avatar.glb", "meshes": ["Face"] }]))]
+    pub rest: Option<Rest>,
     /// Boundaries are welded where their vertices are nearer to each other than this, relative to the diagonal; left out, where they
     /// coincide exactly. For meshes whose triangles are apart by noise in the last digits.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -118,6 +118,12 @@ pub fn pairs(rows: &[(String, String)]) -> String {
     rows.iter().map(line).collect()
 }
 
+/// Names in a message, ten at most.
+pub fn some_of(names: &[&str]) -> String {
+    let more = if names.len() > 10 { ", …" } else { "" };
+    format!("{}{more}", names[..names.len().min(10)].join(", "))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

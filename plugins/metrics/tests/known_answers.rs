@@ -7,8 +7,11 @@ use std::path::{Path, PathBuf};
 use mimesh_core::{
     mesh::{Mesh, Surface, SurfacePoint},
     plugin,
-    stage::{Format, Limits, Marker, Metric, MetricContext, MetricInput, Posed, Statistic, TransferPair},
-    testkit::{data::data, random::Random},
+    stage::{Limits, Marker, Metric, MetricContext, MetricInput, Posed, Statistic, TransferPair},
+    testkit::{
+        data::{data, read_mesh},
+        random::Random,
+    },
 };
 use mimesh_formats as _;
 use mimesh_metrics as _;
@@ -86,9 +89,7 @@ impl Scene {
 }
 
 fn read(file: &Path) -> Mesh {
-    let ending = file.extension().unwrap().to_str().unwrap();
-    let (_, format) = plugin::instances::<dyn Format>().into_iter().find(|(name, _)| *name == ending).unwrap();
-    format.read(file).unwrap().rest
+    read_mesh(file).rest
 }
 
 #[test]

@@ -13,8 +13,8 @@ use mimesh_core::{
     Figures,
     mesh::{Mesh, Surface},
     plugin,
-    stage::{Format, Metric, MetricContext, MetricInput, Posed},
-    testkit::data::{data, missing},
+    stage::{Metric, MetricContext, MetricInput, Posed},
+    testkit::data::{data, missing, read_mesh},
 };
 use mimesh_formats as _;
 use mimesh_metrics as _;
@@ -73,9 +73,7 @@ fn areas_edges_volumes_components_and_crossings_are_those_of_trimesh_and_libigl(
 }
 
 fn read(file: &Path) -> Mesh {
-    let ending = file.extension().unwrap().to_str().unwrap();
-    let (_, format) = plugin::instances::<dyn Format>().into_iter().find(|(name, _)| *name == ending).unwrap();
-    format.read(file).unwrap().rest
+    read_mesh(file).rest
 }
 
 fn measure(name: &str, mesh: &Mesh, surface: &Surface, posed: &[Point3<f64>]) -> Figures {

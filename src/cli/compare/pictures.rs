@@ -1,5 +1,6 @@
 //! Pictures of the results of a run, for the page.
 
+use mimesh_pipeline::Reach;
 use std::path::Path;
 
 use mimesh_core::mesh::Surface;
@@ -23,7 +24,7 @@ const PIXELS: u32 = 280;
 
 /// Draws poses of the run whose report is `file`, and gives sentences on those that could not be drawn.
 pub fn draw(report: &Report, file: &Path) -> (Vec<Image>, Vec<String>) {
-    let formats = Formats::new(vec![]);
+    let formats = Formats::new(vec![], Reach::default());
     let written = WrittenFiles::new(report, file);
     match read_results(report, &written, &formats, MAX_POSES) {
         Ok(results) => {

@@ -1,5 +1,6 @@
 //! The results of a run as meshes, and the known results of its poses.
 
+use mimesh_core::stage::Selection;
 use std::{
     collections::HashMap,
     path::{Path, PathBuf},
@@ -44,12 +45,13 @@ pub fn read_results(
                 return Ok(results);
             }
         } else if let Some(path) = written.find(&PathBuf::from(with_pose(pattern, "")))
-            && let Ok(format) = formats.reader(path)
+            && formats.reader(path).is_ok()
         {
-            let sequence = format.read(path).map_err(|error| in_file(path, error).to_string())?;
+            let sequence =
+                formats.read(path, &Selection::default()).map_err(|error| in_file(path, error).to_string())?;
             let posed = |pose: &Pose| PosedResult {
                 name: pose.name.clone(),
-                mesh: Mesh { positions: pose.positions.clone(), ..sequence.rest.clone() },
+                mesh: Mesh { positions: pose.positions.get().into_owned(), ..sequence.rest.clone() },
             };
             let shown = evenly_spaced(sequence.poses.len(), max_poses);
             return Ok(shown.into_iter().map(|i| posed(&sequence.poses[i])).collect());
@@ -76,7 +78,7 @@ fn read_pose_files(
 }
 
 fn read_rest(formats: &Formats, path: &Path) -> Option<Mesh> {
-    Some(formats.reader(path).ok()?.read(path).ok()?.rest)
+    Some(formats.read(path, &Selection::default()).ok()?.rest)
 }
 
 /// The known results of a run.
@@ -93,7 +95,7 @@ impl GroundTruth {
         if let Some(generator) = report.settings["target"].get("generator") {
             let generator: Box<dyn Generator> = serde_json::from_value(generator.clone()).ok()?;
             let sequence = generator.make().ok()?;
-            let poses = sequence.poses.into_iter().map(|pose| (pose.name, pose.positions)).collect();
+            let poses = sequence.poses.into_iter().map(|pose| (pose.name, pose.positions.get().into_owned())).collect();
             return Some(Self { rest: sequence.rest, poses });
         }
         let rest = read_rest(formats, inputs_of_role(report, "target rest").next()?)?;
@@ -102,7 +104,7 @@ impl GroundTruth {
             return None;
         }
         let read = |(pose, file): (&PoseReport, &&Path)| {
-            Some((pose.name.clone(), formats.reader(file).ok()?.read_pose(file, &rest).ok()?))
+            Some((pose.name.clone(), formats.read_pose(file, &Selection::default(), &rest).ok()?))
         };
         let poses = report.poses.iter().zip(&files).filter_map(read).collect();
         Some(Self { rest, poses })

@@ -4,6 +4,9 @@ mod convert;
 mod mirror;
 mod reattach;
 
+use crate::cli::posed_meshes::read;
+use crate::cli::roots::Roots;
+use mimesh_core::stage::Selection;
 use std::path::{Path, PathBuf};
 
 use clap::Subcommand;
@@ -62,6 +65,8 @@ struct Common {
     /// Take the meshes from this pipeline
     #[arg(long, value_name = "PIPELINE")]
     pipeline: Option<PathBuf>,
+    #[command(flatten)]
+    roots: Roots,
     /// Replace existing files
     #[arg(long)]
     force: bool,
@@ -83,10 +88,14 @@ impl Common {
     fn load(&self) -> Result<Loaded> {
         let (source, target, pipeline_markers) = match (&self.pipeline, &self.source, &self.target) {
             (Some(pipeline), ..) => {
-                let Meshes { source, target, markers } = prepare_meshes(pipeline, &Options::default())?;
+                let Meshes { source, target, markers } =
+                    prepare_meshes(pipeline, &Options { roots: self.roots.folders(), ..Options::default() })?;
                 (source, target, markers)
             }
-            (None, Some(source), Some(target)) => (read_mesh(source)?, read_mesh(target)?, None),
+            (None, Some(source), Some(target)) => {
+                let formats = self.roots.formats();
+                (read_mesh(&formats, source)?, read_mesh(&formats, target)?, None)
+            }
             _ => {
                 let message = "the meshes of the markers are not given";
                 let hint = "give `--source MESH --target MESH`, or `--pipeline PIPELINE.yaml`";
@@ -148,14 +157,15 @@ impl Loaded {
     }
 }
 
-fn read_mesh(file: &Path) -> Result<RestMesh> {
+fn read_mesh(formats: &Formats, file: &Path) -> Result<RestMesh> {
     if is_point_file(file) {
         let diagnostic =
             Diagnostic::new(Kind::Usage, "expected a mesh, found a file of points").at(Location::File(file.into()));
         return Err(diagnostic.hint("give files of points without an option, before the file to write").into());
     }
-    let sequence = Formats::new(vec![]).reader_of(file)?.read(file).map_err(|error| in_file(file, error))?;
-    Ok(RestMesh::new(Some(file.into()), sequence, Welding::default()).map_err(|error| in_file(file, error))?)
+    let sequence = read(formats, file)?;
+    Ok(RestMesh::new(Some(file.into()), Selection::default(), sequence, Welding::default())
+        .map_err(|error| in_file(file, error))?)
 }
 
 /// Formats the fraction `value` in percent.

@@ -45,11 +45,12 @@ impl Reattach {
             PointSource::Sides(_) => loaded.markers(false)?.markers,
         };
         let files = loaded.mesh_files();
+        let formats = self.common.roots.formats();
         let old_files = [&self.old_source, &self.old_target];
         let mut moves = vec![];
         let mut diagnostics = vec![];
         for (k, mesh) in loaded.meshes().into_iter().enumerate() {
-            let old = old_files[k].as_ref().map(|file| read_mesh(file)).transpose()?;
+            let old = old_files[k].as_ref().map(|file| read_mesh(&formats, file)).transpose()?;
             if old.is_none() && !has_changed(&markers, mesh.role, files[k], old_files[1 - k].is_some()) {
                 moves.push(vec![]);
                 continue;

@@ -25,7 +25,7 @@ pub trait FileInput: Debug + Send + Sync {
     ///
     /// # Errors
     ///
-    /// [`Error::Io`] if it cannot be read, [`Error::File`] if it may not be opened.
+    /// [`Error::Io`] if it cannot be read, [`Error::OutOfReach`] if it may not be opened.
     fn referenced(&self, reference: &str) -> Result<Vec<u8>>;
 
     /// The path that `reference` stands for, for messages.

@@ -8,7 +8,12 @@ use std::{
     thread,
 };
 
-use crate::{Error, Result, stage::FileInput};
+use crate::{
+    Error, Result,
+    mesh::MeshSequence,
+    plugin,
+    stage::{FileInput, Format, Selection},
+};
 
 /// The file or folder `name` of the meshes in `../shared/data`, beside the repository; the whole folder if `name` is empty.
 ///
@@ -36,6 +41,19 @@ pub fn input(path: impl AsRef<Path>) -> TestFile {
     let path = path.as_ref().to_path_buf();
     assert!(path.is_file(), "{} is missing", path.display());
     TestFile(path)
+}
+
+/// The mesh in the file at `path`, read by the registered format of its extension.
+///
+/// # Panics
+/// If there is no such format, or the file cannot be read.
+#[track_caller]
+pub fn read_mesh(path: impl AsRef<Path>) -> MeshSequence {
+    let extension = path.as_ref().extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    let mut formats = plugin::instances::<dyn Format>().into_iter().map(|(_, format)| format);
+    let format = formats.find(|format| format.extensions().contains(&extension.as_str()));
+    let format = format.unwrap_or_else(|| panic!("no format reads .{extension}"));
+    format.read(&input(path), &Selection::default()).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// A file on the disk that may refer to any other.

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use mimesh_core::stage::Selection;
 use mimesh_document::{At, path};
 
 use super::{
@@ -76,8 +77,11 @@ fn truth_file(
     if !found.input(scope, "truth", file, &at) {
         return GroundTruth::None;
     }
-    let Ok(format) = scope.formats.reader(file) else { return GroundTruth::None };
-    let sequence = match format.read(file) {
+    let selection = Selection {
+        meshes: target.map(|target| target.selection.meshes.clone()).unwrap_or_default(),
+        ..Selection::default()
+    };
+    let sequence = match scope.formats.read(file, &selection) {
         Ok(sequence) => sequence,
         Err(error) => {
             found.diagnostics.push(in_file(file, error));

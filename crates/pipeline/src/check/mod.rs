@@ -1,8 +1,10 @@
 //! Everything that can be found wrong with a pipeline before computing, all at once; what remains is ready to run.
 
 mod common;
+mod file_names;
 mod findings;
 mod ground_truth;
+mod held_poses;
 mod markers;
 mod metrics;
 mod noise;

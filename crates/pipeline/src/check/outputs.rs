@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use mimesh_document::{At, Step, path, paths};
 
 use super::{
+    file_names::check_file_names,
     findings::{Findings, Scope},
     writable::{Destination, WritableFiles},
 };
@@ -50,6 +51,9 @@ pub(super) fn outputs(
                 }
             }
         } else if let Some(output) = output(scope, found, &pattern, poses, &at) {
+            if let Output::Poses(files) = &output {
+                check_file_names(scope, found, files, &at);
+            }
             // The first file that cannot be written stands for all of a pattern.
             let _ = output.files().iter().all(|file| files.add(scope, found, file, &at));
             outputs.meshes.push(output);

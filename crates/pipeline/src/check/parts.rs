@@ -3,14 +3,15 @@
 use std::path::Path;
 
 use mimesh_core::{plugin, stage::KeyPoints};
-use mimesh_document::{At, Diagnostic, Document, Kind, Location, diagnostic::Result, path};
+use mimesh_document::{At, Diagnostic, Document, Kind, Location, diagnostic::Result};
 use mimesh_markers::MarkerFiles;
 
 use super::{
     common::{Options, check_formats, check_registry, pipeline_files, refused_without_reason},
     findings::{Findings, Scope},
     markers::marker_files,
-    poses, rest_meshes,
+    poses,
+    rest_meshes::{self, at_file},
     run_diagnostics::RunDiagnostics,
     seams::SeamCache,
 };
@@ -46,11 +47,11 @@ pub fn prepare_source(file: &Path, options: &Options, cache: Option<&Cache>) -> 
     let seam_cache = SeamCache { cache, hashes: &FileHashes::default() };
     let (source, poses) = poses::source(scope, &mut found, &pipeline.source, seam_cache);
     let files_of_markers = pipeline.markers.as_ref().map(|files| marker_files(scope, files));
-    let target = pipeline.target.rest.filter(|_| targets.len() <= 1);
+    let target = pipeline.target.rest.map(|rest| rest.file).filter(|_| targets.len() <= 1);
     let mut inputs = found.inputs.clone();
     let named = files_of_markers.iter().flat_map(MarkerFiles::named);
     inputs.extend(named.map(|(_, file)| InputFile { role: "markers", path: file.clone() }));
-    let rest = target.iter().map(|rest| scope.path(&path(["target", "rest"]), rest));
+    let rest = target.iter().map(|rest| scope.path(&at_file(scope, "target"), rest));
     inputs.extend(rest.map(|path| InputFile { role: "target rest", path }));
     finish(found, file)?;
     let source = source.ok_or_else(refused_without_reason)?;

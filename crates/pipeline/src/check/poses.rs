@@ -5,6 +5,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
+use mimesh_core::stage::{PoseChoice, Selection};
 use mimesh_document::{
     At, Step, path,
     paths::{identity, stem},
@@ -13,13 +14,15 @@ use mimesh_document::{
 
 use super::{
     findings::{Findings, Scope},
-    rest_meshes::{in_file, rest_mesh},
+    held_poses::{frames, own_poses, poses_in},
+    rest_meshes::{at_file, in_file, rest_mesh},
     seams::{self, SeamCache},
 };
 use crate::{
     globs::{expand, is_glob, nearby},
     input::{PoseFrom, PoseInput, RestMesh, read_pose},
     one_or_many::OneOrMany,
+    pose_files::Poses,
     rest::Rest,
     spec::Source,
 };
@@ -35,11 +38,15 @@ pub(super) fn source(
         let hint = "a generator brings its own poses; remove `poses`";
         found.wrong(scope, &path(["source", "poses"]), At::Key, "`poses` beside `generator`", hint);
     }
-    let mesh = rest_file(scope, found, source);
-    let poses = match (&source.poses, &mesh) {
-        (Some(patterns), _) => pose_files(scope, found, patterns, source.rest.as_ref()),
-        (None, Some(mesh)) => held_poses(scope, found, mesh),
-        (None, None) => vec![],
+    let mut mesh = rest_file(scope, found, source);
+    let poses = match (&source.poses, &mut mesh) {
+        (Some(Poses::Files(patterns)), mesh) => {
+            let files = pose_files(scope, found, patterns, source.rest.as_ref());
+            files.into_iter().flat_map(|file| poses_in(scope, found, mesh.as_mut(), file)).collect()
+        }
+        (Some(Poses::Clips(clips)), Some(mesh)) => frames(scope, found, mesh, clips),
+        (None, Some(mesh)) => own_poses(scope, found, mesh),
+        (Some(Poses::Clips(_)) | None, None) => vec![],
     };
     let poses = with_unique_names(scope, found, poses);
     let pose = source.rest.as_ref().and_then(|rest| rest.pose.as_deref());
@@ -58,15 +65,14 @@ pub(super) fn source(
 
 /// The source as its file or its generator has it at rest.
 pub(super) fn rest_file(scope: Scope<'_>, found: &mut Findings, source: &Source) -> Option<RestMesh> {
-    let rest = source.rest.as_ref().map(|rest| (rest.file.as_path(), at_file(scope)));
-    rest_mesh(scope, found, "source", rest, source.generator.as_deref(), source.weld_tolerance)
-}
-
-/// Where the document names the file of the source at rest.
-fn at_file(scope: Scope<'_>) -> Vec<Step> {
-    let rest = path(["source", "rest"]);
-    let is_mapping = scope.document.get(&rest).is_some_and(serde_json::Value::is_object);
-    if is_mapping { path(["source", "rest", "file"]) } else { rest }
+    let poses = match &source.poses {
+        None => PoseChoice::Shapes,
+        Some(Poses::Clips(clips)) if clips.file.is_none() => PoseChoice::Clips(clips.choice()),
+        Some(_) => PoseChoice::Nothing,
+    };
+    let selection = Selection { poses, ..Selection::default() };
+    let (rest, generator) = (source.rest.as_ref(), source.generator.as_deref());
+    rest_mesh(scope, found, "source", rest, selection, generator, source.weld_tolerance)
 }
 
 /// The source with its pose `name` as its rest.
@@ -80,7 +86,7 @@ fn resting_at(
     let at = path(["source", "rest", "pose"]);
     let Some(pose) = poses.iter().find(|pose| pose.name == name) else {
         let names: Vec<&str> = poses.iter().map(|pose| pose.name.as_str()).collect();
-        let hint = did_you_mean(name, &names).unwrap_or_else(|| some_of(&names));
+        let hint = did_you_mean(name, &names).unwrap_or_else(|| format!("poses: {}", crate::text::some_of(&names)));
         found.missing(scope, &at, format!("the source has no pose called `{name}`"), hint);
         return None;
     };
@@ -97,35 +103,10 @@ fn resting_at(
     None
 }
 
-/// The names of poses in a hint, ten at most.
-fn some_of(names: &[&str]) -> String {
-    let more = if names.len() > 10 { ", …" } else { "" };
-    format!("poses: {}{more}", names[..names.len().min(10)].join(", "))
-}
-
-/// The poses that come with the rest mesh.
-fn held_poses(scope: Scope<'_>, found: &mut Findings, mesh: &RestMesh) -> Vec<PoseInput> {
-    let poses: Vec<_> = mesh
-        .sequence
-        .poses
-        .iter()
-        .enumerate()
-        .map(|(i, pose)| PoseInput { name: pose.name.clone(), from: PoseFrom::Held(i) })
-        .collect();
-    // A wrong `poses` has a diagnostic of its own.
-    let declared = scope.document.value.get("source").and_then(|source| source.get("poses"));
-    if poses.is_empty() && declared.is_none_or(serde_json::Value::is_null) {
-        let reason = if mesh.path.is_some() { "the rest file holds none" } else { "the generator makes none" };
-        let hint = "name their files, e.g. `poses: horse-??.obj`";
-        found.missing(scope, &path(["source"]), format!("the source has no poses: {reason}"), hint);
-    }
-    poses
-}
-
 /// The poses in the files that `patterns` stand for, without the rest mesh.
 fn pose_files(scope: Scope<'_>, found: &mut Findings, patterns: &OneOrMany, rest: Option<&Rest>) -> Vec<PoseInput> {
     let slot = path(["source", "poses"]);
-    let rest = rest.map(|rest| identity(&scope.path(&at_file(scope), &rest.file)));
+    let rest = rest.map(|rest| identity(&scope.path(&at_file(scope, "source"), &rest.file)));
     if patterns.items.is_empty() {
         found.wrong(scope, &slot, At::Value, "the sequence of poses is empty", "name at least one file");
     }
@@ -137,7 +118,7 @@ fn pose_files(scope: Scope<'_>, found: &mut Findings, patterns: &OneOrMany, rest
         let at = if patterns.listed { [&slot[..], &[Step::Index(i)]].concat() } else { slot.clone() };
         for pose in matching(scope, found, pattern, &at, rest.as_ref()) {
             if seen.insert(identity(&pose.path)) {
-                poses.push(PoseInput { name: pose.name, from: PoseFrom::File(pose.path) });
+                poses.push(PoseInput { name: pose.name, time: None, from: PoseFrom::File(pose.path) });
             }
         }
     }
@@ -180,7 +161,8 @@ fn matching(
     readable
 }
 
-fn is_readable(scope: Scope<'_>, found: &mut Findings, file: &Path, at: &[Step]) -> bool {
+/// Whether the file of a pose, named at `at`, exists and has a format; else there is a diagnostic.
+pub(super) fn is_readable(scope: Scope<'_>, found: &mut Findings, file: &Path, at: &[Step]) -> bool {
     if !found.input(scope, "pose", file, at) {
         return false;
     }

@@ -2,7 +2,11 @@
 
 use std::path::Path;
 
-use mimesh_core::{Error, mesh::Welding, stage::Generator};
+use mimesh_core::{
+    Error,
+    mesh::Welding,
+    stage::{Generator, PoseChoice, RestShape, Selection},
+};
 use mimesh_document::{At, Diagnostic, Kind, Location, Step, path};
 use mimesh_markers::IntoDiagnostic;
 
@@ -10,24 +14,48 @@ use super::{
     findings::{Findings, Scope},
     noise::noise_warning,
 };
-use crate::{input::RestMesh, spec::Target};
+use crate::{input::RestMesh, rest::Rest, spec::Target};
 
 /// The target with all its seams welded, as far as it can be had.
 pub(super) fn target(scope: Scope<'_>, found: &mut Findings, target: &Target) -> Option<RestMesh> {
-    let file = target.rest.as_deref().map(|file| (file, path(["target", "rest"])));
-    let mesh = rest_mesh(scope, found, "target", file, target.generator.as_deref(), target.weld_tolerance)?;
+    let shape = target.rest.as_ref().and_then(|rest| rest.pose.clone().map(RestShape::Pose));
+    let selection = Selection {
+        rest: shape.unwrap_or_default(),
+        poses: PoseChoice::Nothing,
+        keep_document: true,
+        ..Selection::default()
+    };
+    let mesh = rest_mesh(
+        scope,
+        found,
+        "target",
+        target.rest.as_ref(),
+        selection,
+        target.generator.as_deref(),
+        target.weld_tolerance,
+    )?;
     Some(match target.mirrored {
         Some(axis) => mesh.mirrored(axis),
         None => mesh,
     })
 }
 
-/// The mesh of the slot `name`, read from the file named at a path or made, as far as it can be had.
+/// Where the document names the file of the mesh of the slot `name` at rest.
+pub(super) fn at_file(scope: Scope<'_>, name: &str) -> Vec<Step> {
+    let rest = path([name, "rest"]);
+    let is_mapping = scope.document.get(&rest).is_some_and(serde_json::Value::is_object);
+    if is_mapping { path([name, "rest", "file"]) } else { rest }
+}
+
+/// The mesh of the slot `name`, read from a file or made, as far as it can be had.
+///
+/// `selection` is completed by what `rest` names.
 pub(super) fn rest_mesh(
     scope: Scope<'_>,
     found: &mut Findings,
     name: &'static str,
-    rest: Option<(&Path, Vec<Step>)>,
+    rest: Option<&Rest>,
+    selection: Selection,
     generator: Option<&dyn Generator>,
     weld_tolerance: Option<f64>,
 ) -> Option<RestMesh> {
@@ -49,8 +77,44 @@ pub(super) fn rest_mesh(
             None
         }
         (None, Some(generator)) => made(scope, found, name, generator, welding),
-        (Some((rest, at)), None) => read(scope, found, name, &scope.path(&at, rest), &at, welding),
+        (Some(rest), None) => {
+            let selection = completed(scope, found, name, rest, selection)?;
+            read(scope, found, name, rest, selection, welding)
+        }
     }
+}
+
+/// The selection with the parts and the clip that `rest` names; `None` after a diagnostic.
+fn completed(
+    scope: Scope<'_>,
+    found: &mut Findings,
+    name: &str,
+    rest: &Rest,
+    selection: Selection,
+) -> Option<Selection> {
+    let at = |key: &str| path([name, "rest", key]);
+    if rest.pose.is_some() && rest.clip.is_some() {
+        found.wrong(
+            scope,
+            &at("clip"),
+            At::Key,
+            "`clip` beside `pose`",
+            "a mesh has one shape at rest; remove one of the two",
+        );
+        return None;
+    }
+    if rest.time.is_some() && rest.clip.is_none() {
+        found.wrong(scope, &at("time"), At::Key, "`time` without `clip`", "name the clip, e.g. `clip: Run`");
+        return None;
+    }
+    if let Some(meshes) = &rest.meshes
+        && meshes.items.is_empty()
+    {
+        found.wrong(scope, &at("meshes"), At::Value, "no mesh is named", "name one, or leave `meshes` out for all");
+        return None;
+    }
+    let shape = rest.clip_shape().unwrap_or(selection.rest);
+    Some(Selection { meshes: rest.meshes(), rest: shape, ..selection })
 }
 
 fn made(
@@ -76,10 +140,12 @@ fn read(
     scope: Scope<'_>,
     found: &mut Findings,
     name: &str,
-    file: &Path,
-    at: &[Step],
+    rest: &Rest,
+    selection: Selection,
     welding: Welding,
 ) -> Option<RestMesh> {
+    let at = &*at_file(scope, name);
+    let file = &*scope.path(at, &rest.file);
     let role = if name == "source" { "source rest" } else { "target rest" };
     let before = found.diagnostics.len();
     found.check_empty(scope, at);
@@ -90,8 +156,7 @@ fn read(
         found.wrong(scope, at, At::Value, unknown.message, unknown.hint);
         return None;
     }
-    let read = scope.formats.read(file, &selection);
-    match read.and_then(|sequence| RestMesh::new(Some(file.into()), selection, sequence, welding)) {
+    match in_shape(scope, file, selection, welding) {
         Ok(mesh) => {
             let warnings = mesh.sequence.warnings.iter();
             found.warnings.extend(warnings.map(|warning| format!("{}: {warning}", file.display())));
@@ -103,6 +168,22 @@ fn read(
             None
         }
     }
+}
+
+/// The mesh in the shape that `selection` has for its rest; points in files of markers lie on the shape that the file stores.
+fn in_shape(scope: Scope<'_>, file: &Path, selection: Selection, welding: Welding) -> Result<RestMesh, Error> {
+    let read = |selection: &Selection| {
+        let sequence = scope.formats.read(file, selection)?;
+        RestMesh::new(Some(file.into()), selection.clone(), sequence, welding.clone())
+    };
+    let mut mesh = read(&selection)?;
+    if selection.rest == RestShape::Stored {
+        return Ok(mesh);
+    }
+    let stored = Selection { rest: RestShape::Stored, poses: PoseChoice::Nothing, keep_document: false, ..selection };
+    let RestMesh { sequence, surface, .. } = read(&stored)?;
+    mesh.of_file = Some((sequence.rest, surface));
+    Ok(mesh)
 }
 
 /// Warns of meshes that are turned against each other, and of single components that point inwards.

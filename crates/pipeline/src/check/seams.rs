@@ -129,7 +129,13 @@ pub(super) fn open_like(found: &mut Findings, source: &RestMesh, target: Arc<Res
     let open = || {
         let seams = target.seams()?;
         let shared = seams.pairs().iter().filter(|pair| opened.binary_search(pair).is_ok());
-        let mut open = RestMesh::new(target.path.clone(), target.sequence.clone(), target.welding.clone())?;
+        let mut open = RestMesh::new(
+            target.path.clone(),
+            target.selection.clone(),
+            target.sequence.clone(),
+            target.welding.clone(),
+        )?;
+        open.of_file = target.of_file.clone();
         open.open_seams(shared.copied().collect())?;
         Ok(Arc::new(open))
     };

@@ -2,7 +2,10 @@
 
 use std::path::PathBuf;
 
-use mimesh_core::{Result, mesh::check_finite};
+use mimesh_core::{
+    Result,
+    mesh::{ClipTime, check_finite},
+};
 use nalgebra::Point3;
 use rayon::prelude::*;
 
@@ -14,6 +17,8 @@ use crate::formats::Formats;
 pub struct PoseInput {
     /// The name, which `{pose}` stands for.
     pub name: String,
+    /// The time in a clip, if it is a frame of one.
+    pub time: Option<ClipTime>,
     /// Where its positions are.
     pub from: PoseFrom,
 }

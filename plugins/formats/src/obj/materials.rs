@@ -49,7 +49,7 @@ fn libraries(input: &dyn FileInput, line: &str) -> Vec<Library> {
 fn reason(error: &Error) -> String {
     match error {
         Error::Io { source, .. } => format!("cannot be read ({source})"),
-        Error::File { message, hint, .. } => format!("is not opened ({message}; {hint})"),
+        Error::OutOfReach { reason, .. } => format!("is not opened, {reason}"),
         other => format!("cannot be read ({other})"),
     }
 }

@@ -1,0 +1,150 @@
+//! Poses that files hold: morph targets, and frames of clips.
+
+use std::path::Path;
+
+use mimesh_core::stage::{ClipChoice, PoseChoice, Selection, check_pose};
+use mimesh_document::{At, path};
+
+use super::{
+    findings::{Findings, Scope},
+    poses::is_readable,
+    rest_meshes::in_file,
+};
+use crate::{
+    input::{PoseFrom, PoseInput, RestMesh},
+    pose_files::ClipPoses,
+    text::some_of,
+};
+
+/// The poses that come with the rest mesh, from number `first` on.
+fn held_poses(mesh: &RestMesh, first: usize) -> Vec<PoseInput> {
+    let held = mesh.sequence.poses.iter().enumerate().skip(first);
+    held.map(|(i, pose)| PoseInput { name: pose.name.clone(), time: pose.time.clone(), from: PoseFrom::Held(i) })
+        .collect()
+}
+
+/// The poses of the rest mesh where no others are declared.
+pub(super) fn own_poses(scope: Scope<'_>, found: &mut Findings, mesh: &RestMesh) -> Vec<PoseInput> {
+    let poses = held_poses(mesh, 0);
+    // A wrong `poses` has a diagnostic of its own.
+    let declared = scope.document.value.get("source").and_then(|source| source.get("poses"));
+    if poses.is_empty() && declared.is_none_or(serde_json::Value::is_null) {
+        let clips: Vec<&str> = mesh.sequence.animations.iter().map(|clip| clip.name.as_str()).collect();
+        let (reason, hint) = match (&mesh.path, clips.first()) {
+            (None, _) => ("the generator makes none", "name their files, e.g. `poses: horse-??.obj`".into()),
+            (_, None) => ("the rest file holds none", "name their files, e.g. `poses: horse-??.obj`".into()),
+            (_, Some(first)) => (
+                "the rest file has no morph targets",
+                format!("its clips serve as poses, e.g. `poses: {{ clip: {first} }}`; clips: {}", some_of(&clips)),
+            ),
+        };
+        found.missing(scope, &path(["source"]), format!("the source has no poses: {reason}"), hint);
+    }
+    poses
+}
+
+/// The frames of clips: those that came with the rest mesh, or those of another file.
+pub(super) fn frames(scope: Scope<'_>, found: &mut Findings, mesh: &mut RestMesh, clips: &ClipPoses) -> Vec<PoseInput> {
+    let at = |key: &str| path(["source", "poses", key]);
+    if clips.at_keys && clips.fps.is_some() {
+        found.wrong(scope, &at("fps"), At::Key, "`fps` beside `at_keys`", "remove one of the two");
+        return vec![];
+    }
+    if let Some([start, end]) = clips.range
+        && !(start >= 0.0 && start <= end)
+    {
+        let message = format!("expected a first time from 0 on and a last time not before it, found [{start}, {end}]");
+        found.wrong(scope, &at("range"), At::Value, message, "e.g. `range: [0.5, 1.5]`");
+        return vec![];
+    }
+    let Some(file) = &clips.file else {
+        if mesh.sequence.poses.is_empty() {
+            let hint = "name the file that holds the clip, e.g. `poses: { file: run.glb, clip: Run }`";
+            found.missing(scope, &path(["source", "poses"]), "the rest holds no clips", hint);
+        }
+        return held_poses(mesh, 0);
+    };
+    let at = at("file");
+    let file = scope.path(&at, file);
+    if !is_readable(scope, found, &file, &at) {
+        return vec![];
+    }
+    let choice = PoseChoice::Clips(clips.choice());
+    match hold(scope, mesh, &file, choice) {
+        Ok((poses, _)) if poses.is_empty() => {
+            found.missing(
+                scope,
+                &at,
+                format!("{} holds no clips", file.display()),
+                "`mimesh inspect` lists what it holds",
+            );
+            vec![]
+        }
+        Ok((poses, _)) => poses,
+        Err(error) => {
+            found.diagnostics.push(in_file(&file, error));
+            vec![]
+        }
+    }
+}
+
+/// The poses that a file among those of the source holds: all of one that holds poses, else the mesh in it.
+pub(super) fn poses_in(
+    scope: Scope<'_>,
+    found: &mut Findings,
+    mesh: Option<&mut RestMesh>,
+    pose: PoseInput,
+) -> Vec<PoseInput> {
+    let (PoseFrom::File(file), Some(mesh)) = (&pose.from, mesh) else { return vec![pose] };
+    if !scope.formats.reader(file).is_ok_and(|format| format.holds_poses()) {
+        return vec![pose];
+    }
+    let shapes = hold(scope, mesh, file, PoseChoice::Shapes);
+    let read = match shapes {
+        Ok((poses, clips)) if poses.is_empty() && clips.len() == 1 => {
+            let choice = ClipChoice { clips, ..ClipChoice::default() };
+            hold(scope, mesh, file, PoseChoice::Clips(choice))
+        }
+        other => other,
+    };
+    match read {
+        Ok((poses, clips)) if poses.is_empty() && clips.len() > 1 => {
+            let names: Vec<&str> = clips.iter().map(String::as_str).collect();
+            let message = format!("{} has several clips: {}", file.display(), some_of(&names));
+            let hint = format!("name one: `poses: {{ file: {}, clip: {} }}`", file.display(), names[0]);
+            found.wrong(scope, &path(["source", "poses"]), At::Value, message, hint);
+            vec![]
+        }
+        // One shape alone is a pose like any other file of one mesh.
+        Ok((poses, _)) if poses.is_empty() => vec![pose],
+        Ok((poses, _)) => poses,
+        Err(error) => {
+            found.diagnostics.push(in_file(file, error));
+            vec![]
+        }
+    }
+}
+
+/// Puts the chosen poses of `file` with those that the source holds; these poses, and the clips of the file.
+///
+/// # Errors
+///
+/// Those of the format, and if the file does not have the vertices and polygons of the source.
+fn hold(
+    scope: Scope<'_>,
+    mesh: &mut RestMesh,
+    file: &Path,
+    choice: PoseChoice,
+) -> mimesh_core::Result<(Vec<PoseInput>, Vec<String>)> {
+    let selection = Selection { meshes: mesh.selection.meshes.clone(), poses: choice, ..Selection::default() };
+    let read = scope.formats.read(file, &selection)?;
+    let clips = read.animations.into_iter().map(|clip| clip.name).collect();
+    if read.poses.is_empty() {
+        return Ok((vec![], clips));
+    }
+    let rest = &mesh.sequence.rest;
+    check_pose(file, rest, read.rest.positions.len(), &read.rest.polygons)?;
+    let first = mesh.sequence.poses.len();
+    mesh.sequence.poses.extend(read.poses);
+    Ok((held_poses(mesh, first), clips))
+}
