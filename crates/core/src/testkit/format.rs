@@ -22,7 +22,9 @@ pub fn format(name: &str, stage: &dyn Format) {
     let surface = bent_bar();
     let rest = Mesh::from_triangles(surface.positions.clone(), &surface.triangles);
     let Some(bytes) = written(name, stage, &rest, &twisted(&surface, 0.5)) else { return };
-    let read = stage.read(&BytesInput::new(&path, &bytes[..]), &Selection::default()).unwrap_or_else(|error| panic!("{name}: {error}"));
+    let read = stage
+        .read(&BytesInput::new(&path, &bytes[..]), &Selection::default())
+        .unwrap_or_else(|error| panic!("{name}: {error}"));
     assert!(read.rest.polygons == rest.polygons, "{name}: other polygons, or another order");
     let posed = match stage.writer() {
         Some(MeshWriter::Sequence(_)) => {

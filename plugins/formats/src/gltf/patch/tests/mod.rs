@@ -1,0 +1,6 @@
+//! Whole files through the writer: what changes, what stays, and where vertices end up.
+
+mod build;
+mod difference;
+mod evaluate;
+mod real_files;
