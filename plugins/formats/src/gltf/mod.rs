@@ -10,7 +10,6 @@ mod animations;
 mod binary;
 mod container;
 mod document;
-mod materials;
 mod offset;
 mod options;
 mod output;
@@ -23,6 +22,7 @@ mod scene;
 mod schema;
 mod size;
 mod writer;
+mod written_materials;
 
 use mimesh_core::{
     Result,

@@ -106,7 +106,7 @@ impl NewTargets<'_> {
     fn patched(&self, shown: &Shown, binary: &mut Binary, zeros: &mut Zeros) -> Value {
         let mut mesh = list(&self.document.json, "meshes")[shown.mesh].clone();
         let existing = target_count(&mesh);
-        let mut all = names::existing(&self.document.json, &mesh);
+        let mut all = names::existing(&self.document.json, shown.mesh);
         for index in 0..list(&mesh, "primitives").len() {
             let primitive = &list(&mesh, "primitives")[index];
             let Some(count) = vertex_count(&self.document.json, primitive) else { continue };

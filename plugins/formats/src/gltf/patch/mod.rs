@@ -28,7 +28,6 @@ use layout::{Shown, describes, mesh_name, shown};
 use meshes::{NewTargets, Target, Zeros};
 use names::NewNames;
 use place::{CornersAt, Place};
-use stored::list;
 
 /// A copy of a mesh's glTF in the making, to which poses are added as morph targets.
 pub struct PatchWriter {
@@ -67,9 +66,7 @@ impl PatchWriter {
         let place =
             |placement| Place::new(document, placement, normals.as_ref().map(|(normals, corners)| (normals, corners)));
         let places: Vec<_> = document.placements.iter().map(place).collect();
-        let taken = shown(document)
-            .into_iter()
-            .flat_map(|shown| names::existing(&document.json, &list(&document.json, "meshes")[shown.mesh]));
+        let taken = shown(document).into_iter().flat_map(|shown| names::existing(&document.json, shown.mesh));
         Ok(Some(Self {
             options,
             json,

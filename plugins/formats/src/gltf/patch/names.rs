@@ -4,31 +4,43 @@ use std::collections::HashSet;
 
 use serde_json::{Value, json};
 
-use super::{layout::target_count, stored::list};
+use super::{
+    layout::{mesh_name, target_count},
+    stored::{list, number},
+};
 
-/// The names of the `count` morph targets that `mesh` has, as the reader calls them.
+/// The names of the morph targets that mesh `index` of a file has, as the reader calls them.
 ///
-/// By convention they stand in the extras of the mesh; some exporters have them at a primitive or at the accessors.
-pub fn existing(json: &Value, mesh: &Value) -> Vec<String> {
+/// By convention they stand in the extras of the mesh; some exporters have them at a primitive or at the accessors. Others
+/// get numbers, after the name of their mesh if several meshes have such: targets of one name are taken for one pose.
+pub fn existing(json: &Value, index: usize) -> Vec<String> {
+    let given = given(json, index);
+    let has_unnamed = |mesh: &usize| self::given(json, *mesh).contains(&None);
+    let alone = (0..list(json, "meshes").len()).filter(has_unnamed).nth(1).is_none();
+    let numbered = |target: usize| {
+        if alone { format!("target-{target}") } else { format!("{}-target-{target}", mesh_name(json, index)) }
+    };
+    given.into_iter().enumerate().map(|(target, name)| name.unwrap_or_else(|| numbered(target))).collect()
+}
+
+/// The names that the file gives.
+fn given(json: &Value, index: usize) -> Vec<Option<String>> {
+    let mesh = &list(json, "meshes")[index];
     let primitives = list(mesh, "primitives");
-    let listed = |holder: &Value, index: usize| {
-        let name = holder.get("extras")?.get("targetNames")?.get(index)?.as_str()?;
+    let listed = |holder: &Value, target: usize| {
+        let name = holder.get("extras")?.get("targetNames")?.get(target)?.as_str()?;
         (!name.is_empty()).then(|| name.to_owned())
     };
-    let at_accessor = |index: usize| {
+    let at_accessor = |target: usize| {
         primitives.iter().find_map(|primitive| {
-            let target = list(primitive, "targets").get(index)?;
-            let accessor = super::stored::number(target, "POSITION")?;
+            let accessor = number(list(primitive, "targets").get(target)?, "POSITION")?;
             let name = list(json, "accessors").get(accessor)?.get("name")?.as_str()?;
             (!name.is_empty()).then(|| name.to_owned())
         })
     };
-    let name = |index| {
-        let at_primitive = || primitives.iter().find_map(|primitive| listed(primitive, index));
-        listed(mesh, index)
-            .or_else(at_primitive)
-            .or_else(|| at_accessor(index))
-            .unwrap_or_else(|| format!("target-{index}"))
+    let name = |target| {
+        let at_primitive = || primitives.iter().find_map(|primitive| listed(primitive, target));
+        listed(mesh, target).or_else(at_primitive).or_else(|| at_accessor(target))
     };
     (0..target_count(mesh)).map(name).collect()
 }
@@ -94,7 +106,6 @@ mod tests {
 
     #[test]
     fn names_stand_at_meshes_primitives_and_accessors() {
-        let json = json!({ "accessors": [{}, { "name": "wink" }] });
         let target = |accessor: usize| json!({ "POSITION": accessor });
         let mesh = json!({
             "primitives": [
@@ -102,7 +113,13 @@ mod tests {
             ],
             "extras": { "targetNames": ["of", ""] },
         });
-        assert_eq!(existing(&json, &mesh), ["of", "at", "wink", "target-3"]);
+        let accessors = json!([{}, { "name": "wink" }]);
+        let mut json = json!({ "accessors": accessors, "meshes": [mesh] });
+        assert_eq!(existing(&json, 0), ["of", "at", "wink", "target-3"]);
+        let unnamed = json!({ "primitives": [{ "targets": [target(0)] }], "name": "hair" });
+        json["meshes"].as_array_mut().unwrap().push(unnamed);
+        assert_eq!(existing(&json, 0), ["of", "at", "wink", "mesh-0-target-3"]);
+        assert_eq!(existing(&json, 1), ["hair-target-0"]);
     }
 
     #[test]

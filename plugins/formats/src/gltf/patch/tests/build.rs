@@ -34,6 +34,7 @@ impl Builder {
     }
 
     pub fn glb(mut self) -> Vec<u8> {
+        self.json["buffers"] = json!([{}]);
         super::super::buffers::settle(&mut self.json, &mut self.binary);
         let mut out = Vec::new();
         output::write(self.json, self.binary, true, &mut out).unwrap();
