@@ -21,6 +21,8 @@ mod reader;
 mod scene;
 mod schema;
 mod size;
+#[cfg(test)]
+mod tests;
 mod writer;
 mod written_materials;
 

@@ -179,6 +179,3 @@ fn equal_in_file(a: &[[f32; 3]], b: &[[f32; 3]], placement: &super::document::Pl
     let bound = (f64::from(f32::EPSILON) * size) as f32;
     a.iter().flatten().zip(b.iter().flatten()).all(|(a, b)| (a - b).abs() <= bound)
 }
-
-#[cfg(test)]
-mod tests;

@@ -34,8 +34,9 @@ impl Builder {
     }
 
     pub fn glb(mut self) -> Vec<u8> {
-        self.json["buffers"] = json!([{}]);
-        super::super::buffers::settle(&mut self.json, &mut self.binary);
+        self.json["accessors"] = std::mem::take(&mut self.binary.accessors).into();
+        self.json["bufferViews"] = std::mem::take(&mut self.binary.views).into();
+        self.json["buffers"] = json!([{ "byteLength": self.binary.length }]);
         let mut out = Vec::new();
         output::write(self.json, self.binary, true, &mut out).unwrap();
         out

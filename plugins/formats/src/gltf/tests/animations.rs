@@ -34,7 +34,8 @@ fn animated() -> Vec<u8> {
     let linear = scalars(&[0.25, 0.75]);
     let spline = scalars(&[1., 2., 3., 4., 5., 6., 7., 8., 9., 10., 11., 12.]);
     let bytes = file.binary.like(&json!({ "componentType": 5121, "normalized": true, "type": "SCALAR" }), &[1, 2], 2);
-    let moves = |sampler: usize, node: usize| json!({ "sampler": sampler, "target": { "node": node, "path": "weights" } });
+    let moves =
+        |sampler: usize, node: usize| json!({ "sampler": sampler, "target": { "node": node, "path": "weights" } });
     file.json["animations"] = json!([
         {
             "name": "Run",
@@ -78,7 +79,8 @@ fn weights_of_existing_clips_get_zeros_for_new_targets() {
     // Node 2 is in no scene and was not read, so its mesh and its sampler stay.
     assert_eq!(run["channels"][1], parts(&before).0["animations"][0]["channels"][1]);
     assert_eq!(run["samplers"][0], parts(&before).0["animations"][0]["samplers"][0]);
-    let output = |channel: usize| &run["samplers"][run["channels"][channel]["sampler"].as_u64().unwrap() as usize]["output"];
+    let output =
+        |channel: usize| &run["samplers"][run["channels"][channel]["sampler"].as_u64().unwrap() as usize]["output"];
     assert_eq!(floats(&json, &buffer, output(0)), [0.25, 0.0, 0.0, 0.75, 0.0, 0.0]);
     // In-tangents, values and out-tangents of each key.
     let spline: Vec<f32> = (0..6).flat_map(|row| [2.0 * row as f32 + 1.0, 2.0 * row as f32 + 2.0, 0.0, 0.0]).collect();
