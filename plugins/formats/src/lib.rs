@@ -16,7 +16,7 @@ mod obj;
 mod ply;
 mod stl;
 
-pub use gltf::{Glb, Gltf};
+pub use gltf::{Glb, Gltf, LengthUnit, PoseAnimation, UpAxis};
 pub use obj::Obj;
 pub use ply::{Encoding, Ply, Precision};
 pub use stl::Stl;

@@ -6,6 +6,7 @@
 
 mod attributes;
 mod bounds;
+mod frames;
 mod mesh_point;
 mod outward;
 mod polygon_mesh;
@@ -22,6 +23,7 @@ mod weld;
 
 pub use attributes::{CornerAttribute, Material, Part};
 pub use bounds::{bounding_box, check_finite, diagonal};
+pub use frames::poses_are_frames;
 pub use mesh_point::MeshPoint;
 pub use outward::inward_components;
 pub use polygon_mesh::{Document, Mesh};

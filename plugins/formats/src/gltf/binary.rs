@@ -12,6 +12,9 @@ const U16: u32 = 5123;
 const U32: u32 = 5125;
 const F32: u32 = 5126;
 
+/// More weights than this are written as sparse entries, since nearly all are 0.
+const MAX_DENSE_WEIGHTS: usize = 64 * 64;
+
 /// The use of a buffer view, as glTF numbers it.
 #[derive(Clone, Copy)]
 enum Use {
@@ -42,13 +45,23 @@ impl Binary {
         Ok(Self { spool, length: 0, views: Vec::new(), accessors: Vec::new() })
     }
 
-    /// Adds an attribute of vertices; its bounds go into the accessor if `bounds`. The accessor.
+    /// Adds bytes as they are, padded to a multiple of four. The offset of the first.
     ///
     /// # Errors
     ///
     /// Those of the temporary file, as with all of these.
+    pub fn append(&mut self, bytes: &[u8]) -> io::Result<u64> {
+        let offset = self.length;
+        let padded = bytes.len().next_multiple_of(4);
+        self.spool.write_all(bytes)?;
+        self.spool.write_all(&[0; 3][..padded - bytes.len()])?;
+        self.length += padded as u64;
+        Ok(offset)
+    }
+
+    /// Adds an attribute of vertices; its bounds go into the accessor if `bounds`. The accessor.
     pub fn attribute<const N: usize>(&mut self, values: &[[f32; N]], bounds: bool) -> io::Result<usize> {
-        let view = self.view(bytes(values), Some(Use::Attribute))?;
+        let view = self.view(&bytes(values), Some(Use::Attribute))?;
         let mut accessor = json!({ "bufferView": view, "componentType": F32, "count": values.len(), "type": kind(N) });
         if bounds {
             add_bounds(&mut accessor, values);
@@ -66,9 +79,9 @@ impl Binary {
             return self.attribute(values, bounds);
         }
         if !moved.is_empty() {
-            let indices = self.view(index_bytes(&moved, index_size), None)?;
+            let indices = self.view(&index_bytes(&moved, index_size), None)?;
             let entries: Vec<_> = moved.iter().map(|&i| values[i as usize]).collect();
-            let entries = self.view(bytes(&entries), None)?;
+            let entries = self.view(&bytes(&entries), None)?;
             accessor["sparse"] = json!({
                 "count": moved.len(),
                 "indices": { "bufferView": indices, "componentType": code },
@@ -85,7 +98,7 @@ impl Binary {
     pub fn indices(&mut self, indices: &[u32], vertices: usize) -> io::Result<usize> {
         // Graphics cards draw from 16 or 32 bits.
         let (code, size) = if vertices < 1 << 16 { (U16, 2) } else { (U32, 4) };
-        let view = self.view(index_bytes(indices, size), Some(Use::Indices))?;
+        let view = self.view(&index_bytes(indices, size), Some(Use::Indices))?;
         Ok(self
             .accessor(json!({ "bufferView": view, "componentType": code, "count": indices.len(), "type": "SCALAR" })))
     }
@@ -93,31 +106,51 @@ impl Binary {
     /// Adds the times of keyframes, in seconds. The accessor.
     pub fn times(&mut self, times: &[f32]) -> io::Result<usize> {
         let values: Vec<_> = times.iter().map(|&time| [time]).collect();
-        let view = self.view(bytes(&values), None)?;
+        let view = self.view(&bytes(&values), None)?;
         let mut accessor = json!({ "bufferView": view, "componentType": F32, "count": times.len(), "type": "SCALAR" });
         add_bounds(&mut accessor, &values);
         Ok(self.accessor(accessor))
     }
 
-    /// Adds `frames` × `frames` weights: in frame i, target i has 1 and all others 0. The accessor.
-    pub fn identity_weights(&mut self, frames: usize) -> io::Result<usize> {
-        let count = frames * frames;
+    /// Adds weights of `width` morph targets at keys: at key i target `targets[i]` has 1 and all others 0. The accessor.
+    pub fn weights(&mut self, targets: &[usize], width: usize) -> io::Result<usize> {
+        let count = targets.len() * width;
         let mut accessor = json!({ "componentType": F32, "count": count, "type": "SCALAR" });
-        if frames <= 64 {
-            let weights: Vec<_> = (0..count).map(|i| [if i % (frames + 1) == 0 { 1.0_f32 } else { 0.0 }]).collect();
-            accessor["bufferView"] = self.view(bytes(&weights), None)?.into();
+        let ones: Vec<u32> = targets.iter().enumerate().map(|(key, target)| (key * width + target) as u32).collect();
+        if count <= MAX_DENSE_WEIGHTS {
+            let mut weights = vec![[0.0_f32]; count];
+            ones.iter().for_each(|&one| weights[one as usize] = [1.0]);
+            accessor["bufferView"] = self.view(&bytes(&weights), None)?.into();
         } else {
-            let ones: Vec<u32> = (0..frames).map(|i| (i * (frames + 1)) as u32).collect();
             let (code, size) = index_type(count);
-            let indices = self.view(index_bytes(&ones, size), None)?;
-            let values = self.view(bytes(&vec![[1.0_f32]; frames]), None)?;
+            let indices = self.view(&index_bytes(&ones, size), None)?;
+            let values = self.view(&bytes(&vec![[1.0_f32]; ones.len()]), None)?;
             accessor["sparse"] = json!({
-                "count": frames,
+                "count": ones.len(),
                 "indices": { "bufferView": indices, "componentType": code },
                 "values": { "bufferView": values },
             });
         }
         Ok(self.accessor(accessor))
+    }
+
+    /// Adds entries of the layout that `like`, the JSON of an accessor, describes. The accessor.
+    pub fn like(&mut self, like: &Value, entries: &[u8], count: usize) -> io::Result<usize> {
+        let view = self.view(entries, None)?;
+        let mut accessor = json!({ "bufferView": view });
+        for key in ["componentType", "normalized", "type"] {
+            if let Some(value) = like.get(key) {
+                accessor[key] = value.clone();
+            }
+        }
+        accessor["count"] = count.into();
+        Ok(self.accessor(accessor))
+    }
+
+    /// Adds `count` displacements of zero, which need no bytes. The accessor.
+    pub fn zeros(&mut self, count: usize) -> usize {
+        let zero = [0.0; 3];
+        self.accessor(json!({ "componentType": F32, "count": count, "type": "VEC3", "min": zero, "max": zero }))
     }
 
     /// Everything written so far, from its start.
@@ -136,16 +169,17 @@ impl Binary {
         self.accessors.len() - 1
     }
 
+    /// Adds bytes as a view of their own. The view.
+    pub fn plain_view(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.view(bytes, None)
+    }
+
     /// Adds bytes, padded to a multiple of four. The view.
-    fn view(&mut self, bytes: Vec<u8>, usage: Option<Use>) -> io::Result<usize> {
-        let mut view = json!({ "buffer": 0, "byteOffset": self.length, "byteLength": bytes.len() });
+    fn view(&mut self, bytes: &[u8], usage: Option<Use>) -> io::Result<usize> {
+        let mut view = json!({ "buffer": 0, "byteOffset": self.append(bytes)?, "byteLength": bytes.len() });
         if let Some(usage) = usage {
             view["target"] = (usage as u32).into();
         }
-        let padded = bytes.len().next_multiple_of(4);
-        self.spool.write_all(&bytes)?;
-        self.spool.write_all(&[0; 3][..padded - bytes.len()])?;
-        self.length += padded as u64;
         self.views.push(view);
         Ok(self.views.len() - 1)
     }

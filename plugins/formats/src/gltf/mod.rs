@@ -2,19 +2,29 @@
 //!
 //! In: the meshes of the default scene, one after another, in place; every morph target by itself is a pose. Numbers are
 //! read by [`accessor`], since the `gltf` crate reads quantised positions wrongly and panics on some damaged files.
-//! Out: a node an object, a primitive a material, vertices cut along seams, one morph target a pose, and an animation.
+//! Out: for a mesh that was read from a glTF, that file with morph targets added ([`patch`]); for others a node an object, a
+//! primitive a material, vertices cut along seams, one morph target a pose ([`writer`]).
 
 mod accessor;
 mod animations;
 mod binary;
 mod container;
 mod document;
+mod offset;
+mod options;
+mod output;
+mod patch;
 mod plan;
+mod pose_clips;
 mod primitive;
 mod reader;
 mod scene;
 mod schema;
+mod size;
+#[cfg(test)]
+mod tests;
 mod writer;
+mod written_materials;
 
 use mimesh_core::{
     Result,
@@ -26,13 +36,17 @@ use mimesh_core::{
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+pub use options::{LengthUnit, PoseAnimation, UpAxis};
+
 use container::Asset;
-use writer::{Options, Writer};
+use options::Options;
+use patch::PatchWriter;
+use writer::Writer;
 
 register!(Format: Glb);
 register!(Format: Gltf);
 
-/// Binary glTF 2.0: one file with the rest mesh, a named morph target a pose, and an animation that plays them.
+/// Binary glTF 2.0: one file with the rest mesh, a named morph target a pose, and animations that show them.
 ///
 /// Vertices of the mesh keep their numbers in a mesh of one object; copies along seams follow them. Positions are f32.
 #[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
@@ -43,11 +57,30 @@ pub struct Glb {
     pub frames_per_second: f64,
     /// Write the normals of every pose too: lit viewers need them, but they double the size.
     pub pose_normals: bool,
+    /// The animation that shows the poses. Without one all morph targets are at 0 when the file is opened.
+    pub animation: PoseAnimation,
+    /// The unit of the target mesh; the file is in metres. A target that is a glTF itself stays as it is.
+    pub unit: LengthUnit,
+    /// The upward axis of the target mesh; the file has Y up. A target that is a glTF itself stays as it is.
+    pub up: UpAxis,
 }
 
 impl Default for Glb {
     fn default() -> Self {
-        Self { frames_per_second: 24.0, pose_normals: true }
+        Self {
+            frames_per_second: 24.0,
+            pose_normals: true,
+            animation: PoseAnimation::default(),
+            unit: LengthUnit::default(),
+            up: UpAxis::default(),
+        }
+    }
+}
+
+impl Glb {
+    fn options(&self) -> Options {
+        let &Self { frames_per_second, pose_normals, animation, unit, up } = self;
+        Options { frames_per_second, pose_normals, animation, unit, up, binary: true }
     }
 }
 
@@ -60,12 +93,25 @@ pub struct Gltf {
     pub frames_per_second: f64,
     /// Write the normals of every pose too: lit viewers need them, but they double the size.
     pub pose_normals: bool,
+    /// The animation that shows the poses. Without one all morph targets are at 0 when the file is opened.
+    pub animation: PoseAnimation,
+    /// The unit of the target mesh; the file is in metres. A target that is a glTF itself stays as it is.
+    pub unit: LengthUnit,
+    /// The upward axis of the target mesh; the file has Y up. A target that is a glTF itself stays as it is.
+    pub up: UpAxis,
 }
 
 impl Default for Gltf {
     fn default() -> Self {
-        let Glb { frames_per_second, pose_normals } = Glb::default();
-        Self { frames_per_second, pose_normals }
+        let Glb { frames_per_second, pose_normals, animation, unit, up } = Glb::default();
+        Self { frames_per_second, pose_normals, animation, unit, up }
+    }
+}
+
+impl Gltf {
+    fn options(&self) -> Options {
+        let &Self { frames_per_second, pose_normals, animation, unit, up } = self;
+        Options { frames_per_second, pose_normals, animation, unit, up, binary: false }
     }
 }
 
@@ -93,10 +139,13 @@ impl Format for Glb {
 }
 
 impl SequenceFormat for Glb {
+    fn check_size(&self, mesh: &Mesh, poses: usize) -> Result<()> {
+        size::check(&self.options(), mesh, poses)
+    }
+
     fn start(&self, mesh: &Mesh) -> Result<Box<dyn SequenceWriter>, WriteError> {
         check_ranges(self)?;
-        let &Self { frames_per_second, pose_normals } = self;
-        Ok(Box::new(Writer::new(Options { frames_per_second, pose_normals, binary: true }, mesh)?))
+        start(self.options(), mesh)
     }
 }
 
@@ -126,7 +175,14 @@ impl Format for Gltf {
 impl SequenceFormat for Gltf {
     fn start(&self, mesh: &Mesh) -> Result<Box<dyn SequenceWriter>, WriteError> {
         check_ranges(self)?;
-        let &Self { frames_per_second, pose_normals } = self;
-        Ok(Box::new(Writer::new(Options { frames_per_second, pose_normals, binary: false }, mesh)?))
+        start(self.options(), mesh)
     }
+}
+
+/// A file of `mesh`: a copy of the glTF from which it was read, or a new one.
+fn start(options: Options, mesh: &Mesh) -> Result<Box<dyn SequenceWriter>, WriteError> {
+    Ok(match PatchWriter::new(options, mesh)? {
+        Some(writer) => Box::new(writer),
+        None => Box::new(Writer::new(options, mesh)?),
+    })
 }

@@ -1,6 +1,5 @@
 use std::io::{self, Write};
 
-use base64::{engine::general_purpose::STANDARD, write::EncoderWriter};
 use mimesh_core::{
     Error,
     mesh::{ClipTime, Mesh, check_finite},
@@ -11,19 +10,13 @@ use serde_json::{Value, json};
 
 use super::{
     binary::Binary,
+    offset::offset,
+    options::Options,
+    output,
     plan::{Object, Plan, Vertex},
+    pose_clips::{PoseClip, PoseList},
+    written_materials::Materials,
 };
-
-/// The settings with which a glTF is written.
-#[derive(Clone, Copy, Debug)]
-pub struct Options {
-    /// Poses a second.
-    pub frames_per_second: f64,
-    /// Whether poses have their own normals.
-    pub pose_normals: bool,
-    /// One binary file, or JSON with the numbers inside.
-    pub binary: bool,
-}
 
 /// A glTF in the making: the rest mesh is in it, poses are added.
 pub struct Writer {
@@ -32,7 +25,9 @@ pub struct Writer {
     plan: Plan,
     binary: Binary,
     rest: Vec<RestObject>,
-    names: Vec<String>,
+    poses: PoseList,
+    /// The place in the mesh's space that is the origin of the stored positions.
+    offset: Vector3<f64>,
 }
 
 /// The parts of an object that have been written.
@@ -61,26 +56,28 @@ impl Writer {
             return Err(Error::data("empty mesh: no polygon has three corners", "write a mesh with triangles").into());
         }
         let mut binary = Binary::new()?;
-        let rest = plan.objects.iter().map(|object| RestObject::new(object, mesh, &plan, &mut binary));
+        let offset = offset(mesh);
+        let rest = plan.objects.iter().map(|object| RestObject::new(object, mesh, offset, &plan, &mut binary));
         let rest = rest.collect::<io::Result<_>>()?;
         // The document of a reader may be as large as its file and says nothing here.
         let mesh = Mesh { document: Default::default(), ..mesh.clone() };
-        Ok(Self { options, mesh, plan, binary, rest, names: Vec::new() })
+        Ok(Self { options, mesh, plan, binary, rest, poses: PoseList::default(), offset })
     }
 
-    /// The JSON, with `uri` as the place of the buffer if it is not in the same file.
-    fn json(&mut self, uri: Option<&str>) -> io::Result<Value> {
-        let animation = self.animation()?;
-        let materials = Materials::new(self);
-        let mut buffer = json!({ "byteLength": self.binary.length });
-        if let Some(uri) = uri {
-            buffer["uri"] = uri.into();
-        }
-        let nodes: Vec<_> = (0..self.rest.len()).map(|i| json!({ "name": self.name(i), "mesh": i })).collect();
+    fn json(&mut self) -> io::Result<Value> {
+        let animations = self.animations()?;
+        let materials = Materials::new(&self.plan, &self.mesh);
+        let placed = self.options.node_transform(self.offset);
+        let node = |i| {
+            let mut node = json!({ "name": self.name(i), "mesh": i });
+            let properties = placed.as_object().into_iter().flatten();
+            properties.for_each(|(key, value)| node[key] = value.clone());
+            node
+        };
+        let nodes: Vec<_> = (0..self.rest.len()).map(node).collect();
         let meshes: Vec<_> = (0..self.rest.len()).map(|i| self.mesh_json(i, &materials)).collect();
-        // The buffer comes first: its URI is looked for when the numbers are put in its place.
         let mut root = json!({
-            "buffers": [buffer],
+            "buffers": [{ "byteLength": self.binary.length }],
             "asset": { "version": "2.0", "generator": concat!("mimesh ", env!("CARGO_PKG_VERSION")) },
             "scene": 0,
             "scenes": [{ "nodes": (0..nodes.len()).collect::<Vec<_>>() }],
@@ -90,8 +87,8 @@ impl Writer {
         if !materials.json.is_empty() {
             root["materials"] = materials.json.into();
         }
-        if let Some(animation) = animation {
-            root["animations"] = json!([animation]);
+        if !animations.is_empty() {
+            root["animations"] = animations.into();
         }
         root["accessors"] = std::mem::take(&mut self.binary.accessors).into();
         root["bufferViews"] = std::mem::take(&mut self.binary.views).into();
@@ -115,32 +112,32 @@ impl Writer {
             json
         });
         let mut json = json!({ "name": self.name(index), "primitives": primitives.collect::<Vec<_>>() });
-        if !self.names.is_empty() {
-            json["extras"] = json!({ "targetNames": self.names });
+        if !self.poses.names.is_empty() {
+            json["extras"] = json!({ "targetNames": self.poses.names });
         }
         json
     }
 
-    /// An animation that shows pose i in frame i, and fades from each to the next in between.
-    fn animation(&mut self) -> io::Result<Option<Value>> {
-        let frames = self.names.len();
-        if frames == 0 {
-            return Ok(None);
-        }
-        let times: Vec<f32> = (0..frames).map(|i| (i as f64 / self.options.frames_per_second) as f32).collect();
-        let input = self.binary.times(&times)?;
-        let output = self.binary.identity_weights(frames)?;
-        let channel = |node| json!({ "sampler": 0, "target": { "node": node, "path": "weights" } });
-        Ok(Some(json!({
-            "name": "poses",
-            "samplers": [{ "input": input, "interpolation": "LINEAR", "output": output }],
-            "channels": (0..self.rest.len()).map(channel).collect::<Vec<_>>(),
-        })))
+    /// The animations that show the poses.
+    fn animations(&mut self) -> io::Result<Vec<Value>> {
+        let clips = self.poses.clips(self.options.animation, self.options.frames_per_second);
+        let animation = |clip: PoseClip| {
+            let (times, targets): (Vec<f32>, Vec<usize>) = clip.keys.into_iter().unzip();
+            let input = self.binary.times(&times)?;
+            let output = self.binary.weights(&targets, self.poses.names.len())?;
+            let channel = |node| json!({ "sampler": 0, "target": { "node": node, "path": "weights" } });
+            Ok(json!({
+                "name": clip.name,
+                "samplers": [{ "input": input, "interpolation": "LINEAR", "output": output }],
+                "channels": (0..self.rest.len()).map(channel).collect::<Vec<_>>(),
+            }))
+        };
+        clips.into_iter().map(animation).collect()
     }
 }
 
 impl SequenceWriter for Writer {
-    fn add(&mut self, name: &str, _time: Option<&ClipTime>, positions: &[Point3<f64>]) -> Result<(), WriteError> {
+    fn add(&mut self, name: &str, time: Option<&ClipTime>, positions: &[Point3<f64>]) -> Result<(), WriteError> {
         Error::check_shape("posed vertices (#V)", self.mesh.positions.len(), positions.len())?;
         check_finite(positions)?;
         check_size(positions)?;
@@ -149,7 +146,7 @@ impl SequenceWriter for Writer {
             let moves = object.vertices.iter().zip(&rest.positions).map(|(vertex, at)| {
                 let (from, to) = (self.mesh.positions[vertex.vertex as usize], positions[vertex.vertex as usize]);
                 // What has not moved stays exactly, although the file rounds where it is.
-                if from == to { [0.0; 3] } else { difference(to.into(), *at) }
+                if from == to { [0.0; 3] } else { difference((to - self.offset).into(), *at) }
             });
             let moves: Vec<_> = moves.collect();
             let mut target = json!({ "POSITION": self.binary.displacements(&moves, true)? });
@@ -164,58 +161,29 @@ impl SequenceWriter for Writer {
             rest.targets.push(target);
         }
         let mut unique = name.to_owned();
-        while self.names.contains(&unique) {
-            unique = format!("{name}-{}", self.names.len());
+        while self.poses.names.contains(&unique) {
+            unique = format!("{name}-{}", self.poses.names.len());
         }
-        self.names.push(unique);
+        self.poses.names.push(unique);
+        self.poses.times.push(time.cloned());
         Ok(())
+    }
+
+    fn warnings(&self) -> Vec<String> {
+        self.poses.warnings(self.options.animation)
     }
 
     fn finish(mut self: Box<Self>, out: &mut dyn Write) -> Result<(), WriteError> {
-        if self.options.binary { self.finish_binary(out) } else { self.finish_text(out) }
-    }
-}
-
-impl Writer {
-    fn finish_binary(&mut self, out: &mut dyn Write) -> Result<(), WriteError> {
-        let mut json = serde_json::to_vec(&self.json(None)?).map_err(io::Error::from)?;
-        json.resize(json.len().next_multiple_of(4), b' ');
-        let length = 12 + 8 + json.len() as u64 + 8 + self.binary.length;
-        let Ok(length) = u32::try_from(length) else {
-            return Err(Error::data(
-                format!("the poses make a GLB of {length} bytes, but one cannot have more than {}", u32::MAX),
-                "write fewer poses to a file, turn off `pose_normals`, or write one OBJ or PLY a pose",
-            )
-            .into());
-        };
-        out.write_all(b"glTF\x02\0\0\0")?;
-        out.write_all(&length.to_le_bytes())?;
-        out.write_all(&(json.len() as u32).to_le_bytes())?;
-        out.write_all(b"JSON")?;
-        out.write_all(&json)?;
-        out.write_all(&(self.binary.length as u32).to_le_bytes())?;
-        out.write_all(b"BIN\0")?;
-        io::copy(&mut self.binary.contents()?, out)?;
-        Ok(())
-    }
-
-    fn finish_text(&mut self, out: &mut dyn Write) -> Result<(), WriteError> {
-        const URI: &str = "data:application/octet-stream;base64,";
-        let json = serde_json::to_string(&self.json(Some(URI))?).map_err(io::Error::from)?;
-        let place = json.find(URI).expect("the URI has just been written") + URI.len();
-        out.write_all(&json.as_bytes()[..place])?;
-        let mut encoder = EncoderWriter::new(&mut *out, &STANDARD);
-        io::copy(&mut self.binary.contents()?, &mut encoder)?;
-        encoder.finish()?;
-        drop(encoder);
-        Ok(out.write_all(&json.as_bytes()[place..])?)
+        let json = self.json()?;
+        output::write(json, self.binary, self.options.binary, out)
     }
 }
 
 impl RestObject {
-    fn new(object: &Object, mesh: &Mesh, plan: &Plan, binary: &mut Binary) -> io::Result<Self> {
+    fn new(object: &Object, mesh: &Mesh, offset: Vector3<f64>, plan: &Plan, binary: &mut Binary) -> io::Result<Self> {
         let vertices = &object.vertices;
-        let positions = vertices.iter().map(|v| mesh.positions[v.vertex as usize].coords.map(|x| x as f32).into());
+        let stored = |v: &Vertex| (mesh.positions[v.vertex as usize].coords - offset).map(|x| x as f32).into();
+        let positions = vertices.iter().map(stored);
         let positions: Vec<[f32; 3]> = positions.collect();
         let normals = vertices.iter().map(|v| vertex_normal(v, plan.normals.rest()).map(|x| x as f32));
         let normals: Vec<_> = normals.collect();
@@ -231,44 +199,6 @@ impl RestObject {
         let indices = indices.collect::<io::Result<_>>()?;
         Ok(Self { positions, normals, attributes, indices, targets: Vec::new() })
     }
-}
-
-/// The materials that primitives name.
-struct Materials<'a> {
-    names: Vec<&'a str>,
-    json: Vec<Value>,
-}
-
-impl<'a> Materials<'a> {
-    fn new(writer: &'a Writer) -> Self {
-        let mut names: Vec<&str> = Vec::new();
-        let primitives = writer.plan.objects.iter().flat_map(|object| &object.primitives);
-        for name in primitives.filter_map(|primitive| primitive.material.as_deref()) {
-            if !names.contains(&name) {
-                names.push(name);
-            }
-        }
-        let json = names.iter().map(|name| material(writer, name)).collect();
-        Self { names, json }
-    }
-
-    fn index(&self, name: &str) -> usize {
-        self.names.iter().position(|other| *other == name).expect("every material in use has an entry")
-    }
-}
-
-/// A matt material; without a known colour it is white.
-fn material(writer: &Writer, name: &str) -> Value {
-    let known = writer.mesh.materials.iter().find(|material| material.name == name);
-    let color = known.map_or([1.0; 4], |material| material.base_color.map(|x| x.clamp(0.0, 1.0)));
-    let mut json = json!({
-        "name": name,
-        "pbrMetallicRoughness": { "baseColorFactor": color, "metallicFactor": 0.0, "roughnessFactor": 1.0 },
-    });
-    if color[3] < 1.0 {
-        json["alphaMode"] = "BLEND".into();
-    }
-    json
 }
 
 /// The unit normal of a vertex of the plan; upwards where there is none.

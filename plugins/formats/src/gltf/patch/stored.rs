@@ -1,0 +1,184 @@
+//! Entries of a document's accessors, as they are stored.
+//!
+//! The reader turns all numbers to f64; here bytes are needed, so that what is only moved stays to the last bit.
+
+use serde_json::Value;
+
+use crate::gltf::document::GltfDocument;
+
+/// The entries of an accessor without gaps between them.
+#[derive(Debug)]
+pub struct Entries {
+    /// All bytes, in order.
+    pub bytes: Vec<u8>,
+    /// Bytes an entry.
+    pub size: usize,
+}
+
+/// A whole number of the JSON, also if it is written with a fraction of zero.
+pub fn whole(value: &Value) -> Option<usize> {
+    value
+        .as_u64()
+        .map(|x| x as usize)
+        .or_else(|| value.as_f64().filter(|x| *x >= 0.0 && x.fract() == 0.0).map(|x| x as usize))
+}
+
+/// The whole number `key` of `object`, if there is one.
+pub fn number(object: &Value, key: &str) -> Option<usize> {
+    whole(object.get(key)?)
+}
+
+/// The entries of the JSON list `key` of the root; none if there is no list.
+pub fn list<'a>(json: &'a Value, key: &str) -> &'a [Value] {
+    json.get(key).and_then(Value::as_array).map_or(&[], Vec::as_slice)
+}
+
+/// The entries of accessor `index`; `None` if it is damaged.
+pub fn entries(document: &GltfDocument, index: usize) -> Option<Entries> {
+    let accessor = list(&document.json, "accessors").get(index)?;
+    let count = number(accessor, "count")?;
+    let size = component_size(number(accessor, "componentType")?)? * components(accessor)?;
+    let mut bytes = match number(accessor, "bufferView") {
+        Some(view) => run(document, view, number(accessor, "byteOffset").unwrap_or(0), count, size, true)?,
+        None => vec![0; count.checked_mul(size).filter(|&length| length <= MAX_ZEROS)?],
+    };
+    if let Some(sparse) = accessor.get("sparse").filter(|sparse| sparse.is_object()) {
+        let (indices, values) = (sparse.get("indices")?, sparse.get("values")?);
+        let replaced = number(sparse, "count")?;
+        let index_size = component_size(number(indices, "componentType")?)?;
+        let part = |part: &Value, size| {
+            run(document, number(part, "bufferView")?, number(part, "byteOffset").unwrap_or(0), replaced, size, false)
+        };
+        let (indices, values) = (part(indices, index_size)?, part(values, size)?);
+        for (index, value) in indices.chunks_exact(index_size).zip(values.chunks_exact(size)) {
+            let at = index.iter().rev().fold(0_usize, |at, &byte| at << 8 | usize::from(byte));
+            bytes.get_mut(at.checked_mul(size)?..)?.get_mut(..size)?.copy_from_slice(value);
+        }
+    }
+    Some(Entries { bytes, size })
+}
+
+/// The entries of accessor `index` as three numbers each, normalised integers scaled to −1…1; `None` if it has others.
+pub fn vectors(document: &GltfDocument, index: usize) -> Option<Vec<[f64; 3]>> {
+    let accessor = list(&document.json, "accessors").get(index)?;
+    if components(accessor)? != 3 {
+        return None;
+    }
+    let Entries { bytes, size } = entries(document, index)?;
+    let normalized = accessor.get("normalized").and_then(Value::as_bool).unwrap_or(false);
+    let scaled = |x: f64, largest: f64| if normalized { (x / largest).max(-1.0) } else { x };
+    let read = |b: &[u8]| match (size / 3, number(accessor, "componentType")) {
+        (1, Some(5120)) => scaled(f64::from(b[0] as i8), 127.0),
+        (1, _) => scaled(f64::from(b[0]), 255.0),
+        (2, Some(5122)) => scaled(f64::from(i16::from_le_bytes([b[0], b[1]])), 32767.0),
+        (2, _) => scaled(f64::from(u16::from_le_bytes([b[0], b[1]])), 65535.0),
+        (_, Some(5125)) => f64::from(u32::from_le_bytes([b[0], b[1], b[2], b[3]])),
+        _ => f64::from(f32::from_le_bytes([b[0], b[1], b[2], b[3]])),
+    };
+    Some(bytes.chunks_exact(size).map(|entry| std::array::from_fn(|i| read(&entry[i * size / 3..]))).collect())
+}
+
+/// An accessor without data is all zeros; more bytes than this are taken for damage.
+const MAX_ZEROS: usize = 1 << 28;
+
+/// The bytes of a view: unpacked if it is compressed.
+fn view(document: &GltfDocument, index: usize) -> Option<&[u8]> {
+    if let Some((_, bytes)) = document.decompressed.iter().find(|(view, _)| *view == index) {
+        return Some(bytes);
+    }
+    let view = list(&document.json, "bufferViews").get(index)?;
+    let start = number(view, "byteOffset").unwrap_or(0);
+    let end = start.checked_add(number(view, "byteLength")?)?;
+    document.buffers.get(number(view, "buffer")?)?.get(start..end)
+}
+
+/// `count` entries of `size` bytes from byte `offset` of a view, without the gaps that its stride makes.
+fn run(
+    document: &GltfDocument,
+    index: usize,
+    offset: usize,
+    count: usize,
+    size: usize,
+    strided: bool,
+) -> Option<Vec<u8>> {
+    let json = list(&document.json, "bufferViews").get(index)?;
+    let stride = number(json, "byteStride").filter(|&stride| strided && stride >= size).unwrap_or(size);
+    let bytes = view(document, index)?.get(offset..)?;
+    if count == 0 {
+        return Some(Vec::new());
+    }
+    let needed = stride.checked_mul(count - 1)?.checked_add(size)?;
+    let bytes = bytes.get(..needed)?;
+    Some(bytes.chunks(stride).flat_map(|entry| &entry[..size]).copied().collect())
+}
+
+fn components(accessor: &Value) -> Option<usize> {
+    let kinds = [("SCALAR", 1), ("VEC2", 2), ("VEC3", 3), ("VEC4", 4)];
+    let kind = accessor.get("type")?.as_str()?;
+    kinds.into_iter().find(|(name, _)| *name == kind).map(|(_, components)| components)
+}
+
+fn component_size(code: usize) -> Option<usize> {
+    match code {
+        5120 | 5121 => Some(1),
+        5122 | 5123 => Some(2),
+        5125 | 5126 => Some(4),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    fn document(accessor: Value, views: Value, bytes: &[u8]) -> GltfDocument {
+        let json = json!({ "accessors": [accessor], "bufferViews": views });
+        GltfDocument { json, buffers: vec![bytes.to_vec()], ..GltfDocument::default() }
+    }
+
+    #[test]
+    fn gaps_are_left_out_and_sparse_entries_put_in() {
+        let views = json!([
+            { "buffer": 0, "byteLength": 7, "byteStride": 3.0 },
+            { "buffer": 0, "byteOffset": 7, "byteLength": 1 },
+            { "buffer": 0, "byteOffset": 8, "byteLength": 2 },
+        ]);
+        let sparse =
+            json!({ "count": 1, "indices": { "bufferView": 1, "componentType": 5121 }, "values": { "bufferView": 2 } });
+        let accessor = json!({ "bufferView": 0, "byteOffset": 1, "componentType": 5121, "count": 2, "type": "VEC2", "sparse": sparse });
+        let found = entries(&document(accessor, views, &[0, 1, 2, 0, 3, 4, 0, 1, 8, 9]), 0).unwrap();
+        assert_eq!((&found.bytes[..], found.size), (&[1, 2, 8, 9][..], 2));
+    }
+
+    #[test]
+    fn normalised_vectors_are_scaled() {
+        let accessor =
+            json!({ "bufferView": 0, "componentType": 5120, "normalized": true, "count": 1, "type": "VEC3" });
+        let document = document(accessor, json!([{ "buffer": 0, "byteLength": 3 }]), &[0x80, 0, 127]);
+        assert_eq!(vectors(&document, 0).unwrap(), [[-1.0, 0.0, 1.0]]);
+    }
+
+    #[test]
+    fn unpacked_views_take_the_place_of_stored_ones() {
+        let accessor = json!({ "bufferView": 0, "componentType": 5121, "count": 2, "type": "SCALAR" });
+        let mut document = document(accessor, json!([{ "buffer": 5, "byteLength": 1 }]), &[]);
+        assert!(entries(&document, 0).is_none());
+        document.decompressed = vec![(0, vec![3, 4])];
+        assert_eq!(entries(&document, 0).unwrap().bytes, [3, 4]);
+    }
+
+    #[test]
+    fn damage_is_none() {
+        let views = json!([{ "buffer": 0, "byteLength": 4 }]);
+        for accessor in [
+            json!({ "bufferView": 0, "componentType": 5126, "count": u64::MAX, "type": "VEC3" }),
+            json!({ "bufferView": 0, "componentType": 7, "count": 1, "type": "VEC3" }),
+            json!({ "bufferView": 1, "componentType": 5126, "count": 1, "type": "SCALAR" }),
+            json!({ "componentType": 5126, "count": u64::MAX / 2, "type": "SCALAR" }),
+        ] {
+            assert!(entries(&document(accessor, views.clone(), &[0; 4]), 0).is_none());
+        }
+    }
+}

@@ -1,0 +1,13 @@
+//! Whole files through the writers: what changes, what stays, and where vertices end up.
+
+mod animations;
+mod buffers;
+mod build;
+mod built;
+mod difference;
+mod evaluate;
+mod plain;
+mod real_files;
+mod transforms;
+mod validator;
+mod vrm;
