@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use mimesh_core::{mesh::poses_are_frames, stage::MeshWriter};
 use mimesh_document::{At, Step, path, paths};
 
 use super::{
@@ -11,7 +12,7 @@ use super::{
 };
 use crate::{
     formats::Writes,
-    input::{Output, Outputs, PoseInput},
+    input::{Output, Outputs, PoseInput, RestMesh},
     placeholder::{POSE, placeholders, with_pose},
     spec::Pipeline,
 };
@@ -21,6 +22,7 @@ pub(super) fn outputs(
     scope: Scope<'_>,
     found: &mut Findings,
     pipeline: &Pipeline,
+    target: Option<&RestMesh>,
     poses: &[PoseInput],
     out: Option<&Destination<'_>>,
 ) -> Outputs {
@@ -51,8 +53,9 @@ pub(super) fn outputs(
                 }
             }
         } else if let Some(output) = output(scope, found, &pattern, poses, &at) {
-            if let Output::Poses(files) = &output {
-                check_file_names(scope, found, files, &at);
+            match &output {
+                Output::Poses(files) => check_file_names(scope, found, files, &at),
+                Output::Sequence(file) => check_size(scope, found, file, target, poses, &at),
             }
             // The first file that cannot be written stands for all of a pattern.
             let _ = output.files().iter().all(|file| files.add(scope, found, file, &at));
@@ -84,6 +87,25 @@ pub(super) fn outputs(
         files.add(scope, found, &outputs.report, &slot);
     }
     outputs
+}
+
+/// Finds a file of all poses that would be larger than its format allows; shapes are left to the run, since few vertices may move.
+fn check_size(
+    scope: Scope<'_>,
+    found: &mut Findings,
+    file: &Path,
+    target: Option<&RestMesh>,
+    poses: &[PoseInput],
+    at: &[Step],
+) {
+    let are_frames =
+        poses.iter().all(|pose| pose.time.is_some()) || poses_are_frames(poses.iter().map(|pose| pose.name.as_str()));
+    let (Ok((format, _)), Some(target), true) = (scope.formats.writer(file), target, are_frames) else { return };
+    if let Some(MeshWriter::Sequence(format)) = format.writer()
+        && let Err(error) = format.check_size(&target.sequence.rest, poses.len())
+    {
+        found.wrong(scope, at, At::Value, error.to_string(), error.hint().unwrap_or_default());
+    }
 }
 
 /// The file that `path`, written at `at`, stands for.

@@ -134,7 +134,7 @@ fn prepare_one(
     let meshes = source.as_deref().zip(target.as_deref());
     let proximity = stages_and_proximity(scope, found_mut, &pipeline, meshes, markers.as_deref(), shared);
     let out = options.out.as_deref().map(|given| destination(given, &variant, shared.several));
-    let outputs = outputs(scope, found_mut, &pipeline, &poses, out.as_ref());
+    let outputs = outputs(scope, found_mut, &pipeline, target.as_deref(), &poses, out.as_ref());
     found.diagnostics.into_result()?;
     let (Some(source), Some(target), Some(markers)) = (source, target, markers) else {
         return Err(refused_without_reason().into());

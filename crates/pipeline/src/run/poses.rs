@@ -107,6 +107,9 @@ impl<'a> PoseRunner<'a> {
         }
         if stream.failed.len() < stream.poses.len() {
             for (path, writer) in sequences {
+                stream
+                    .warnings
+                    .extend(writer.warnings().iter().map(|warning| format!("{}: {warning}", path.display())));
                 let finished =
                     staging::stage(&path, |out| writer.finish(out).map_err(|error| write_error(&path, error)));
                 stream.files.push(finished?);
