@@ -1,19 +1,35 @@
-//! glTF 2.0, binary and text: static meshes and morph targets in, one file with all poses out.
+//! glTF 2.0, binary and text: rigged, morphing and animated meshes in, one file with all poses out.
 //!
-//! In: the meshes of the default scene, one after another, in place; every morph target by itself is a pose. Numbers are
-//! read by [`accessor`], since the `gltf` crate reads quantised positions wrongly and panics on some damaged files.
+//! In: the meshes of the default scene, one after another, each where its node or its joints place it; morph targets by
+//! themselves or frames of clips are poses. The document model is that of `gltf-json`, after a tolerant pass over the JSON
+//! ([`tolerant`]). Numbers are read by [`accessor`], since the `gltf` crate reads quantised positions wrongly and panics on some
+//! damaged files.
 //! Out: a node an object, a primitive a material, vertices cut along seams, one morph target a pose, and an animation.
 
 mod accessor;
-mod animations;
+mod asset;
+mod attributes;
 mod binary;
+mod builder;
+mod clips;
 mod container;
 mod document;
+mod draco;
+mod evaluator;
+mod extensions;
+mod materials;
+mod meshopt;
+mod morphs;
+mod nodes;
 mod plan;
+mod poses;
 mod primitive;
 mod reader;
+mod sampler;
 mod scene;
-mod schema;
+mod skin;
+mod tolerant;
+mod uri;
 mod writer;
 
 use mimesh_core::{
@@ -26,7 +42,7 @@ use mimesh_core::{
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use container::Asset;
+use asset::Asset;
 use writer::{Options, Writer};
 
 register!(Format: Glb);
@@ -72,7 +88,7 @@ impl Default for Gltf {
 #[typetag::serde(name = "glb")]
 impl Format for Glb {
     fn extensions(&self) -> &'static [&'static str] {
-        &["glb"]
+        &["glb", "vrm"]
     }
 
     fn read(&self, input: &dyn FileInput, selection: &Selection) -> Result<MeshSequence> {
