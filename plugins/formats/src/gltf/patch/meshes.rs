@@ -79,18 +79,28 @@ impl NewTargets<'_> {
         nodes.iter().map(total).collect::<Vec<_>>().into_iter()
     }
 
-    /// Sentences about meshes that are copied.
+    /// Sentences about meshes that are copied, and about those that have no room for names.
     pub fn warnings(&self, nodes: &[Shown]) -> Vec<String> {
+        let json = &self.document.json;
+        let quoted = |shown: &Shown| format!("`{}`", mesh_name(json, shown.mesh));
         let copied = nodes.iter().enumerate().filter(|(index, shown)| {
             let first = nodes[..*index].iter().find(|earlier| earlier.mesh == shown.mesh);
             first.is_some_and(|first| !self.same(first, shown))
         });
-        let copied: Vec<_> =
-            copied.map(|(_, shown)| format!("`{}`", mesh_name(&self.document.json, shown.mesh))).collect();
-        if copied.is_empty() {
-            return Vec::new();
+        let copied: Vec<_> = copied.map(|(_, shown)| quoted(shown)).collect();
+        let extras = |shown: &Shown| list(json, "meshes")[shown.mesh].get("extras");
+        let taken = nodes.iter().filter(|shown| extras(shown).is_some_and(|e| !e.is_null() && !e.is_object()));
+        let taken: Vec<_> = taken.map(quoted).collect();
+        let mut warnings = Vec::new();
+        if !copied.is_empty() {
+            let why = "meshes that several nodes show are copied, since they move differently";
+            warnings.push(format!("{why}: {}", copied.join(", ")));
         }
-        vec![format!("meshes that several nodes show are copied, since they move differently: {}", copied.join(", "))]
+        if !taken.is_empty() {
+            let why = "morph targets have no names, since the extras of their meshes are no object";
+            warnings.push(format!("{why}: {}", taken.join(", ")));
+        }
+        warnings
     }
 
     /// Whether the mesh of two nodes moves alike.
