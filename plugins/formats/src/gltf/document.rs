@@ -16,6 +16,8 @@ pub struct GltfDocument {
     pub images: Vec<(usize, Vec<u8>)>,
     /// The contents of the buffer views that are compressed in the file, by the number of the view.
     pub decompressed: Vec<(usize, Vec<u8>)>,
+    /// The contents of the accessors that a primitive's compression holds, without gaps, by the number of the accessor.
+    pub unpacked: Vec<(usize, Vec<u8>)>,
     /// Where the vertices of the mesh come from, in their order.
     pub placements: Vec<Placement>,
 }

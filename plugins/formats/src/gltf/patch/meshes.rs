@@ -47,17 +47,19 @@ impl NewTargets<'_> {
     ///
     /// A mesh that several nodes show with different targets is copied for all nodes but the first of these.
     pub fn apply(&self, nodes: &[Shown], json: &mut Value, binary: &mut Binary, zeros: &mut Zeros) {
+        let originals = list(json, "meshes").to_vec();
         for (index, shown) in nodes.iter().enumerate() {
+            let original = &originals[shown.mesh];
             let mesh = match nodes[..index].iter().find(|earlier| earlier.mesh == shown.mesh) {
                 Some(first) if self.same(first, shown) => continue,
                 Some(_) => {
                     let meshes = json["meshes"].as_array_mut().expect("the placements are of meshes of this list");
-                    meshes.push(self.patched(shown, binary, zeros));
+                    meshes.push(self.patched(shown, original, binary, zeros));
                     let copy = meshes.len() - 1;
                     json["nodes"][shown.node]["mesh"] = copy.into();
                     continue;
                 }
-                None => self.patched(shown, binary, zeros),
+                None => self.patched(shown, original, binary, zeros),
             };
             json["meshes"][shown.mesh] = mesh;
         }
@@ -112,9 +114,9 @@ impl NewTargets<'_> {
             })
     }
 
-    /// The mesh of a node with its new targets.
-    fn patched(&self, shown: &Shown, binary: &mut Binary, zeros: &mut Zeros) -> Value {
-        let mut mesh = list(&self.document.json, "meshes")[shown.mesh].clone();
+    /// The mesh of a node, `original`, with its new targets.
+    fn patched(&self, shown: &Shown, original: &Value, binary: &mut Binary, zeros: &mut Zeros) -> Value {
+        let mut mesh = original.clone();
         let existing = target_count(&mesh);
         let mut all = names::existing(&self.document.json, shown.mesh);
         for index in 0..list(&mesh, "primitives").len() {

@@ -6,6 +6,7 @@
 
 mod buffers;
 mod clips;
+mod draco;
 mod layout;
 mod meshes;
 mod morphs;
