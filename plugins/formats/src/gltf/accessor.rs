@@ -1,8 +1,15 @@
 //! Numbers out of buffers: all component types, normalised integers, strides, sparse entries, every bound checked.
 
+use gltf::json::{
+    Accessor, Index,
+    accessor::{ComponentType, Type},
+    buffer,
+    validation::Checked,
+};
+
 use super::{
-    container::Asset,
-    schema::{Accessor, get},
+    asset::{Asset, follow, get, size},
+    container::MAX_PADDING,
 };
 
 /// An accessor without data is all zeros; one longer than this is taken for damage rather than filled.
@@ -10,57 +17,76 @@ const MAX_ZEROS: usize = 1 << 24;
 
 /// Reads accessor `index` as #entries × `N` numbers; integers that are marked so are scaled to 0…1 or −1…1.
 ///
+/// Matrices are 16 numbers, column by column.
+///
 /// # Errors
 ///
 /// Names the accessor, and what about it is wrong.
-pub fn numbers<const N: usize>(asset: &Asset, index: usize) -> Result<Vec<[f64; N]>, String> {
-    let accessor = get(&asset.root.accessors, index, "accessor")?;
-    read(asset, accessor).map_err(|message| format!("accessor {index} {message}"))
+pub fn numbers<const N: usize>(asset: &Asset, index: Index<Accessor>) -> Result<Vec<[f64; N]>, String> {
+    let accessor = follow(&asset.root.accessors, index, "accessor")?;
+    read(asset, index, accessor, true).map_err(|message| format!("accessor {index} {message}"))
 }
 
-/// Reads accessor `index` as whole numbers.
+/// Reads accessor `index` as #entries × `N` whole numbers, as indices are; a mark that asks for scaling is ignored.
 ///
 /// # Errors
 ///
-/// The errors of [`numbers`].
-pub fn indices(asset: &Asset, index: usize) -> Result<Vec<u32>, String> {
-    let accessor = get(&asset.root.accessors, index, "accessor")?;
-    if !matches!(accessor.component_type, U8 | U16 | U32) {
-        return Err(format!(
-            "accessor {index} has component type {}: expected unsigned integers",
-            accessor.component_type
-        ));
+/// The errors of [`numbers`], and one for floats and signed integers.
+pub fn whole<const N: usize>(asset: &Asset, index: Index<Accessor>) -> Result<Vec<[u32; N]>, String> {
+    let accessor = follow(&asset.root.accessors, index, "accessor")?;
+    let kind = match accessor.component_type {
+        Checked::Valid(kind) => Some(kind.0),
+        Checked::Invalid => None,
+    };
+    if let Some(kind @ (ComponentType::I8 | ComponentType::I16 | ComponentType::F32)) = kind {
+        let code = kind.as_gl_enum();
+        return Err(format!("accessor {index} has component type {code}: expected unsigned integers"));
     }
-    Ok(numbers::<1>(asset, index)?.into_iter().map(|[x]| x as u32).collect())
+    let values = read(asset, index, accessor, false).map_err(|message| format!("accessor {index} {message}"))?;
+    Ok(values.into_iter().map(|entry| entry.map(|x| x as u32)).collect())
 }
 
-const I8: u32 = 5120;
-const U8: u32 = 5121;
-const I16: u32 = 5122;
-const U16: u32 = 5123;
-const U32: u32 = 5125;
-const F32: u32 = 5126;
+/// The number of entries of accessor `index`.
+///
+/// # Errors
+///
+/// Names an accessor that does not exist.
+pub fn count(asset: &Asset, index: Index<Accessor>) -> Result<usize, String> {
+    Ok(size(follow(&asset.root.accessors, index, "accessor")?.count))
+}
 
-fn read<const N: usize>(asset: &Asset, accessor: &Accessor) -> Result<Vec<[f64; N]>, String> {
-    let expected = ["SCALAR", "VEC2", "VEC3", "VEC4"][N - 1];
-    if accessor.kind != expected {
-        return Err(format!("has type {}: expected {expected}", accessor.kind));
-    }
-    let component = Component::new(accessor.component_type, accessor.normalized)?;
-    let mut values = match accessor.buffer_view {
-        Some(view) => {
-            let size = N * component.size;
-            let bytes = run(asset, view, accessor.byte_offset, accessor.count, size, true)?;
+fn read<const N: usize>(
+    asset: &Asset,
+    index: Index<Accessor>,
+    accessor: &Accessor,
+    scaled: bool,
+) -> Result<Vec<[f64; N]>, String> {
+    check_type(N, &accessor.type_)?;
+    let code = match accessor.component_type {
+        Checked::Valid(kind) => kind.0,
+        Checked::Invalid => return Err("has an unknown component type".into()),
+    };
+    let component = Component::new(code, scaled && accessor.normalized);
+    let entry_size = N * component.size;
+    let count = size(accessor.count);
+    let unpacked = asset.unpacked.iter().find(|(number, _)| *number == index.value());
+    let mut values = match (unpacked, accessor.buffer_view) {
+        (Some((_, bytes)), _) => bytes.chunks_exact(entry_size).map(|entry| component.read(entry)).collect(),
+        (None, Some(view)) => {
+            let bytes = run(asset, view, accessor.byte_offset.map_or(0, size), count, entry_size, true)?;
             bytes.entries().map(|entry| component.read(entry)).collect()
         }
-        None if accessor.count > MAX_ZEROS => return Err(format!("has {} entries but no data", accessor.count)),
-        None => vec![[0.0; N]; accessor.count],
+        (None, None) if count > MAX_ZEROS => return Err(format!("has {count} entries but no data")),
+        (None, None) => vec![[0.0; N]; count],
     };
     if let Some(sparse) = &accessor.sparse {
-        let index = Component::new(sparse.indices.component_type, false)?;
-        let (at, with) = (&sparse.indices, &sparse.values);
-        let indices = run(asset, at.buffer_view, at.byte_offset, sparse.count, index.size, false)?;
-        let replaced = run(asset, with.buffer_view, with.byte_offset, sparse.count, N * component.size, false)?;
+        let Checked::Valid(kind) = sparse.indices.component_type else {
+            return Err("replaces entries by an unknown component type".into());
+        };
+        let index = Component::new(kind.0, false);
+        let (at, with, count) = (&sparse.indices, &sparse.values, size(sparse.count));
+        let indices = run(asset, at.buffer_view, size(at.byte_offset), count, index.size, false)?;
+        let replaced = run(asset, with.buffer_view, size(with.byte_offset), count, entry_size, false)?;
         for (at, entry) in indices.entries().zip(replaced.entries()) {
             let [at] = index.read::<1>(at);
             let count = values.len();
@@ -69,6 +95,24 @@ fn read<const N: usize>(asset: &Asset, accessor: &Accessor) -> Result<Vec<[f64; 
         }
     }
     Ok(values)
+}
+
+fn check_type(components: usize, found: &Checked<Type>) -> Result<(), String> {
+    let (expected, name) = match components {
+        1 => (Type::Scalar, "SCALAR"),
+        2 => (Type::Vec2, "VEC2"),
+        3 => (Type::Vec3, "VEC3"),
+        4 => (Type::Vec4, "VEC4"),
+        _ => (Type::Mat4, "MAT4"),
+    };
+    match found {
+        Checked::Valid(found) if *found == expected => Ok(()),
+        Checked::Valid(found) => {
+            let found = serde_json::to_value(found).unwrap_or_default();
+            Err(format!("has type {}: expected {name}", found.as_str().unwrap_or_default()))
+        }
+        Checked::Invalid => Err(format!("has an unknown type: expected {name}")),
+    }
 }
 
 /// How one number is stored.
@@ -80,17 +124,16 @@ struct Component {
 }
 
 impl Component {
-    fn new(code: u32, normalized: bool) -> Result<Self, String> {
-        let (size, read, largest): (_, fn(&[u8]) -> f64, f64) = match code {
-            I8 => (1, |b| f64::from(b[0] as i8), 127.0),
-            U8 => (1, |b| f64::from(b[0]), 255.0),
-            I16 => (2, |b| f64::from(i16::from_le_bytes([b[0], b[1]])), 32767.0),
-            U16 => (2, |b| f64::from(u16::from_le_bytes([b[0], b[1]])), 65535.0),
-            U32 => (4, |b| f64::from(u32::from_le_bytes([b[0], b[1], b[2], b[3]])), 4_294_967_295.0),
-            F32 => (4, |b| f64::from(f32::from_le_bytes([b[0], b[1], b[2], b[3]])), 1.0),
-            _ => return Err(format!("has unknown component type {code}")),
+    fn new(kind: ComponentType, normalized: bool) -> Self {
+        let (read, largest): (fn(&[u8]) -> f64, f64) = match kind {
+            ComponentType::I8 => (|b| f64::from(b[0] as i8), 127.0),
+            ComponentType::U8 => (|b| f64::from(b[0]), 255.0),
+            ComponentType::I16 => (|b| f64::from(i16::from_le_bytes([b[0], b[1]])), 32767.0),
+            ComponentType::U16 => (|b| f64::from(u16::from_le_bytes([b[0], b[1]])), 65535.0),
+            ComponentType::U32 => (|b| f64::from(u32::from_le_bytes([b[0], b[1], b[2], b[3]])), 4_294_967_295.0),
+            ComponentType::F32 => (|b| f64::from(f32::from_le_bytes([b[0], b[1], b[2], b[3]])), 1.0),
         };
-        Ok(Self { size, read, scale: if normalized { largest } else { 1.0 } })
+        Self { size: kind.size(), read, scale: if normalized { largest } else { 1.0 } }
     }
 
     fn read<const N: usize>(&self, entry: &[u8]) -> [f64; N] {
@@ -117,41 +160,67 @@ impl<'a> Run<'a> {
     }
 }
 
-/// `count` entries of `size` bytes from byte `offset` of a view, checked against view and buffer.
-fn run(asset: &Asset, view: usize, offset: usize, count: usize, size: usize, strided: bool) -> Result<Run<'_>, String> {
-    let view_index = view;
-    let view = get(&asset.root.buffer_views, view, "buffer view")?;
-    let buffer = get(&asset.buffers, view.buffer, "buffer")?;
-    let stride = view.byte_stride.filter(|&stride| strided && stride > 0).unwrap_or(size);
-    if stride < size {
-        return Err(format!("has entries of {size} bytes, {stride} bytes apart"));
+/// `count` entries of `entry_size` bytes from byte `offset` of a view, checked against view and buffer.
+fn run(
+    asset: &Asset,
+    view_index: Index<buffer::View>,
+    offset: usize,
+    count: usize,
+    entry_size: usize,
+    strided: bool,
+) -> Result<Run<'_>, String> {
+    let view = follow(&asset.root.buffer_views, view_index, "buffer view")?;
+    let stride = view.byte_stride.map_or(0, |stride| stride.0);
+    let stride = if strided && stride > 0 { stride } else { entry_size };
+    if stride < entry_size {
+        return Err(format!("has entries of {entry_size} bytes, {stride} bytes apart"));
     }
-    let end = view.byte_offset.checked_add(view.byte_length);
-    let bytes = end.and_then(|end| buffer.get(view.byte_offset..end)).ok_or_else(|| {
-        format!("needs buffer view {view_index}, which reaches beyond its buffer of {} bytes", buffer.len())
-    })?;
+    let bytes = view_bytes(asset, view_index.value())?;
     let needed = match count {
         0 => Some(offset.min(bytes.len())),
-        _ => stride.checked_mul(count - 1).and_then(|n| n.checked_add(size)).and_then(|n| n.checked_add(offset)),
+        _ => stride.checked_mul(count - 1).and_then(|n| n.checked_add(entry_size)).and_then(|n| n.checked_add(offset)),
     };
     match needed.filter(|&needed| needed <= bytes.len()) {
-        Some(needed) => Ok(Run { bytes: &bytes[offset.min(needed)..], stride, size, count }),
+        Some(needed) => Ok(Run { bytes: &bytes[offset.min(needed)..], stride, size: entry_size, count }),
         None => Err(format!(
-            "has {count} entries of {size} bytes, more than the {} bytes of buffer view {view_index}",
+            "has {count} entries of {entry_size} bytes, more than the {} bytes of buffer view {view_index}",
             bytes.len()
         )),
     }
+}
+
+/// The bytes of buffer view `index`, decompressed; its length may count padding that the buffer lacks.
+///
+/// # Errors
+///
+/// Names the view if it reaches beyond its buffer.
+pub fn view_bytes(asset: &Asset, index: usize) -> Result<&[u8], String> {
+    if let Some((_, bytes)) = asset.decompressed.iter().find(|(number, _)| *number == index) {
+        return Ok(bytes);
+    }
+    let view = get(&asset.root.buffer_views, index, "buffer view")?;
+    let buffer = get(&asset.buffers, view.buffer.value(), "buffer")?;
+    let start = view.byte_offset.map_or(0, size);
+    let end = start.checked_add(size(view.byte_length)).filter(|&end| end - end.min(buffer.len()) <= MAX_PADDING);
+    end.and_then(|end| buffer.get(start..end.min(buffer.len())))
+        .ok_or_else(|| format!("needs buffer view {index}, which reaches beyond its buffer of {} bytes", buffer.len()))
 }
 
 #[cfg(test)]
 mod tests {
     use serde_json::{Value, json};
 
-    use super::*;
+    use super::{super::tolerant, *};
+
+    const I8: u32 = 5120;
+    const U8: u32 = 5121;
+    const F32: u32 = 5126;
 
     fn asset(accessor: Value, views: Value, bytes: &[u8]) -> Asset {
         let root = json!({ "accessors": [accessor], "bufferViews": views, "buffers": [{ "byteLength": bytes.len() }] });
-        Asset { root: serde_json::from_value(root).unwrap(), buffers: vec![bytes.to_vec()] }
+        let mut root = tolerant::reduce(&root).json;
+        root["asset"]["version"] = "2.0".into();
+        Asset { root: serde_json::from_value(root).unwrap(), buffers: vec![bytes.to_vec()], ..Asset::default() }
     }
 
     #[test]
@@ -159,9 +228,9 @@ mod tests {
         let bytes = [0x80, 0x81, 0x7f, 0, 0, 0, 0, 0];
         let scaled = json!({ "bufferView": 0, "componentType": I8, "normalized": true, "count": 1, "type": "VEC3" });
         let views = json!([{ "buffer": 0, "byteLength": 8 }]);
-        assert_eq!(numbers::<3>(&asset(scaled, views.clone(), &bytes), 0).unwrap(), [[-1.0, -1.0, 1.0]]);
+        assert_eq!(numbers::<3>(&asset(scaled, views.clone(), &bytes), Index::new(0)).unwrap(), [[-1.0, -1.0, 1.0]]);
         let plain = json!({ "bufferView": 0, "componentType": I8, "count": 1, "type": "VEC3" });
-        assert_eq!(numbers::<3>(&asset(plain, views, &bytes), 0).unwrap(), [[-128.0, -127.0, 127.0]]);
+        assert_eq!(numbers::<3>(&asset(plain, views, &bytes), Index::new(0)).unwrap(), [[-128.0, -127.0, 127.0]]);
     }
 
     #[test]
@@ -169,7 +238,10 @@ mod tests {
         let bytes = [9, 1, 2, 0, 0, 3, 4, 0, 0, 5, 6];
         let accessor = json!({ "bufferView": 0, "byteOffset": 1, "componentType": U8, "count": 3, "type": "VEC2" });
         let views = json!([{ "buffer": 0, "byteLength": 11, "byteStride": 4 }]);
-        assert_eq!(numbers::<2>(&asset(accessor, views, &bytes), 0).unwrap(), [[1., 2.], [3., 4.], [5., 6.]]);
+        assert_eq!(
+            numbers::<2>(&asset(accessor, views, &bytes), Index::new(0)).unwrap(),
+            [[1., 2.], [3., 4.], [5., 6.]]
+        );
     }
 
     #[test]
@@ -181,9 +253,12 @@ mod tests {
             "count": 1, "indices": { "bufferView": 0, "componentType": U8 }, "values": { "bufferView": 1 }
         });
         let accessor = json!({ "componentType": F32, "count": 3, "type": "SCALAR", "sparse": sparse });
-        assert_eq!(numbers::<1>(&asset(accessor.clone(), views.clone(), &bytes), 0).unwrap(), [[0.0], [0.0], [1.5]]);
+        assert_eq!(
+            numbers::<1>(&asset(accessor.clone(), views.clone(), &bytes), Index::new(0)).unwrap(),
+            [[0.0], [0.0], [1.5]]
+        );
         bytes[0] = 3;
-        let error = numbers::<1>(&asset(accessor, views, &bytes), 0).unwrap_err();
+        let error = numbers::<1>(&asset(accessor, views, &bytes), Index::new(0)).unwrap_err();
         assert_eq!(error, "accessor 0 replaces entry 3 of 3");
     }
 
@@ -212,7 +287,7 @@ mod tests {
             ),
             (
                 json!({ "bufferView": 0, "componentType": 7, "count": 1, "type": "VEC3" }),
-                "accessor 0 has unknown component type 7",
+                "accessor 0 has an unknown component type",
             ),
             (
                 json!({ "bufferView": 0, "componentType": F32, "count": 1, "type": "VEC2" }),
@@ -221,10 +296,14 @@ mod tests {
         ];
         let views = json!([{ "buffer": 0, "byteLength": 12 }, { "buffer": 0, "byteOffset": 8, "byteLength": 12 }]);
         for (accessor, expected) in cases {
-            assert_eq!(numbers::<3>(&asset(accessor, views.clone(), &[0; 12]), 0).unwrap_err(), expected);
+            assert_eq!(numbers::<3>(&asset(accessor, views.clone(), &[0; 12]), Index::new(0)).unwrap_err(), expected);
         }
         assert_eq!(
-            numbers::<3>(&asset(json!({}), json!([]), &[]), 1).unwrap_err(),
+            numbers::<3>(
+                &asset(json!({ "componentType": F32, "count": 0, "type": "SCALAR" }), json!([]), &[]),
+                Index::new(1)
+            )
+            .unwrap_err(),
             "accessor 1 does not exist: there are 1 (from 0)"
         );
     }

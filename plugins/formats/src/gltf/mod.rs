@@ -1,28 +1,44 @@
-//! glTF 2.0, binary and text: static meshes and morph targets in, one file with all poses out.
+//! glTF 2.0, binary and text: rigged, morphing and animated meshes in, one file with all poses out.
 //!
-//! In: the meshes of the default scene, one after another, in place; every morph target by itself is a pose. Numbers are
-//! read by [`accessor`], since the `gltf` crate reads quantised positions wrongly and panics on some damaged files.
+//! In: the meshes of the default scene, one after another, each where its node or its joints place it; morph targets by
+//! themselves or frames of clips are poses. The document model is that of `gltf-json`, after a tolerant pass over the JSON
+//! ([`tolerant`]). Numbers are read by [`accessor`], since the `gltf` crate reads quantised positions wrongly and panics on some
+//! damaged files.
 //! Out: for a mesh that was read from a glTF, that file with morph targets added ([`patch`]); for others a node an object, a
 //! primitive a material, vertices cut along seams, one morph target a pose ([`writer`]).
 
 mod accessor;
-mod animations;
+mod asset;
+mod attributes;
 mod binary;
+mod builder;
+mod clips;
 mod container;
 mod document;
+mod draco;
+mod evaluator;
+mod extensions;
+mod materials;
+mod meshopt;
+mod morphs;
+mod nodes;
 mod offset;
 mod options;
 mod output;
 mod patch;
 mod plan;
 mod pose_clips;
+mod poses;
 mod primitive;
 mod reader;
+mod sampler;
 mod scene;
-mod schema;
 mod size;
+mod skin;
 #[cfg(test)]
 mod tests;
+mod tolerant;
+mod uri;
 mod writer;
 mod written_materials;
 
@@ -38,7 +54,7 @@ use serde::{Deserialize, Serialize};
 
 pub use options::{LengthUnit, PoseAnimation, UpAxis};
 
-use container::Asset;
+use asset::Asset;
 use options::Options;
 use patch::PatchWriter;
 use writer::Writer;
@@ -118,7 +134,7 @@ impl Gltf {
 #[typetag::serde(name = "glb")]
 impl Format for Glb {
     fn extensions(&self) -> &'static [&'static str] {
-        &["glb"]
+        &["glb", "vrm"]
     }
 
     fn read(&self, input: &dyn FileInput, selection: &Selection) -> Result<MeshSequence> {

@@ -1,72 +1,115 @@
-//! The meshes of the default scene with their places.
+//! The meshes of the default scene, and those of them that are chosen.
 
-use nalgebra::{Matrix4, Quaternion, Translation3, UnitQuaternion, Vector3};
+use std::collections::HashSet;
 
-use super::schema::{Node, Root, get};
+use super::{
+    asset::{Asset, follow, quoted},
+    materials,
+    primitive::is_thin,
+};
 
 /// A node that shows a mesh.
-pub struct Placed<'a> {
+#[derive(Clone, Debug)]
+pub struct Placed {
     /// The node.
-    pub node: &'a Node,
-    /// The index of its mesh.
+    pub node: usize,
+    /// Its mesh.
     pub mesh: usize,
-    /// The transform from the mesh to the scene.
-    pub scene_from_mesh: Matrix4<f64>,
+    /// The name of the node, else of the mesh, else its number.
+    pub name: String,
+    /// The primitives to read, by number.
+    pub primitives: Vec<usize>,
 }
 
 /// The nodes with a mesh in the default scene, else the first, else in no scene at all; parents before children.
 ///
-/// A skinned mesh is placed by its joints and not by its node, so it stays where its bind pose has it.
-///
 /// # Errors
 ///
-/// Names the node or scene that does not exist, or that stands in a circle.
-pub fn placed(root: &Root) -> Result<Vec<Placed<'_>>, String> {
-    let mut pending: Vec<(usize, Matrix4<f64>)> = Vec::new();
-    let push_all = |pending: &mut Vec<_>, nodes: &[usize], parent: Matrix4<f64>| {
-        pending.extend(nodes.iter().rev().map(|&node| (node, parent)));
-    };
-    push_all(&mut pending, &roots(root)?, Matrix4::identity());
+/// Names the node, scene or mesh that does not exist.
+pub fn placed(asset: &Asset) -> Result<Vec<Placed>, String> {
+    let root = &asset.root;
+    let mut pending = roots(asset)?;
+    pending.reverse();
     let mut found = Vec::new();
-    let mut seen = vec![false; root.nodes.len()];
-    while let Some((index, parent)) = pending.pop() {
-        let node = get(&root.nodes, index, "node")?;
-        if std::mem::replace(&mut seen[index], true) {
+    let mut seen = HashSet::new();
+    while let Some(index) = pending.pop() {
+        let node = super::asset::get(&root.nodes, index, "node")?;
+        if !seen.insert(index) {
             return Err(format!("node {index} stands in two places of the scene"));
         }
-        let scene_from_node = parent * local(node);
         if let Some(mesh) = node.mesh {
-            let scene_from_mesh = if node.skin.is_some() { Matrix4::identity() } else { scene_from_node };
-            found.push(Placed { node, mesh, scene_from_mesh });
+            let shown = follow(&root.meshes, mesh, "mesh")?;
+            let name = node.name.as_ref().filter(|name| !name.is_empty()).or(shown.name.as_ref());
+            let name = name.filter(|name| !name.is_empty()).cloned();
+            let name = name.unwrap_or_else(|| format!("mesh-{mesh}"));
+            found.push(Placed {
+                node: index,
+                mesh: mesh.value(),
+                name,
+                primitives: (0..shown.primitives.len()).collect(),
+            });
         }
-        push_all(&mut pending, &node.children, scene_from_node);
+        pending.extend(node.children.iter().flatten().rev().map(|child| child.value()));
     }
     Ok(found)
 }
 
 /// The nodes to start from.
-fn roots(root: &Root) -> Result<Vec<usize>, String> {
-    if let Some(scene) = root.scene {
-        return Ok(get(&root.scenes, scene, "scene")?.nodes.clone());
+fn roots(asset: &Asset) -> Result<Vec<usize>, String> {
+    let root = &asset.root;
+    let scene = match root.scene {
+        Some(scene) => Some(follow(&root.scenes, scene, "scene")?),
+        None => root.scenes.first(),
+    };
+    if let Some(scene) = scene {
+        return Ok(scene.nodes.iter().map(|node| node.value()).collect());
     }
-    if let Some(scene) = root.scenes.first() {
-        return Ok(scene.nodes.clone());
-    }
-    let mut is_child = vec![false; root.nodes.len()];
-    for &child in root.nodes.iter().flat_map(|node| &node.children) {
-        is_child.get_mut(child).into_iter().for_each(|is_child| *is_child = true);
-    }
-    Ok((0..root.nodes.len()).filter(|&node| !is_child[node]).collect())
+    let children: HashSet<_> =
+        root.nodes.iter().flat_map(|node| node.children.iter().flatten()).map(|c| c.value()).collect();
+    Ok((0..root.nodes.len()).filter(|node| !children.contains(node)).collect())
 }
 
-/// The transform of a node in its parent.
-fn local(node: &Node) -> Matrix4<f64> {
-    if let Some(matrix) = &node.matrix {
-        return Matrix4::from_column_slice(matrix);
+/// Keeps the primitives whose node, mesh or material has one of `names`; all if there are no names.
+///
+/// # Errors
+///
+/// Names a name that nothing has, and the meshes that there are.
+pub fn choose(asset: &Asset, placed: &mut Vec<Placed>, names: &[String]) -> Result<(), String> {
+    if names.is_empty() {
+        return Ok(());
     }
-    let translation = Translation3::from(Vector3::from(node.translation.unwrap_or_default()));
-    let [x, y, z, w] = node.rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]);
-    let rotation = UnitQuaternion::try_new(Quaternion::new(w, x, y, z), f64::MIN_POSITIVE).unwrap_or_default();
-    let scale = Vector3::from(node.scale.unwrap_or([1.0; 3]));
-    translation.to_homogeneous() * rotation.to_homogeneous() * Matrix4::new_nonuniform_scaling(&scale)
+    let materials = materials::names(&asset.root.materials);
+    let mut known = HashSet::new();
+    let all: Vec<String> = placed.iter().map(|placed| placed.name.clone()).collect();
+    for placed in placed.iter_mut() {
+        let mesh = &asset.root.meshes[placed.mesh];
+        let mesh_name = mesh.name.as_deref().unwrap_or_default();
+        placed.primitives.retain(|&index| {
+            let primitive = &mesh.primitives[index];
+            let material = primitive.material.and_then(|material| materials.get(material.value()));
+            let own = [Some(placed.name.as_str()), Some(mesh_name), material.map(String::as_str)];
+            let chosen: Vec<_> = names.iter().filter(|name| own.contains(&Some(name.as_str()))).collect();
+            known.extend(chosen.iter().copied());
+            !chosen.is_empty()
+        });
+    }
+    placed.retain(|placed| !placed.primitives.is_empty());
+    match names.iter().find(|name| !known.contains(name)) {
+        None => Ok(()),
+        Some(name) => Err(format!("nothing in the file is called `{name}`: its meshes are {}", quoted(&all))),
+    }
+}
+
+/// Takes out the primitives of points and lines; the names of the nodes that had some.
+pub fn drop_thin(asset: &Asset, placed: &mut [Placed]) -> Vec<String> {
+    let mut thin = Vec::new();
+    for placed in placed {
+        let primitives = &asset.root.meshes[placed.mesh].primitives;
+        let before = placed.primitives.len();
+        placed.primitives.retain(|&index| !is_thin(&primitives[index]));
+        if placed.primitives.len() < before {
+            thin.push(placed.name.clone());
+        }
+    }
+    thin
 }

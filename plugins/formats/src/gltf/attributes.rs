@@ -1,0 +1,141 @@
+//! Texture coordinates and normals of corners.
+
+use std::collections::HashMap;
+
+use gltf::json::{Accessor, Index};
+use mimesh_core::mesh::CornerAttribute;
+use nalgebra::{Matrix3, Matrix4, Vector3};
+
+use super::{accessor::numbers, asset::Asset, document::Transforms};
+
+/// Texture coordinates, collected over all primitives; those of an accessor are there once.
+#[derive(Debug, Default)]
+pub struct Textures {
+    corners: CornerAttribute<[f64; 2]>,
+    /// Where the coordinates of an accessor start.
+    starts: HashMap<usize, u32>,
+}
+
+impl Textures {
+    /// Adds the corners of triangles; their origin becomes the lower left, as everywhere in this program.
+    ///
+    /// # Errors
+    ///
+    /// Those of the accessor, and another count than that of the vertices.
+    pub fn add(
+        &mut self,
+        asset: &Asset,
+        accessor: Option<Index<Accessor>>,
+        count: usize,
+        triangles: &[[u32; 3]],
+    ) -> Result<(), String> {
+        let first = match accessor {
+            None => None,
+            Some(accessor) => Some(self.start(asset, accessor, count)?),
+        };
+        self.corners.indices.extend(triangles.as_flattened().iter().map(|v| first.map(|first| first + v)));
+        Ok(())
+    }
+
+    fn start(&mut self, asset: &Asset, accessor: Index<Accessor>, count: usize) -> Result<u32, String> {
+        if let Some(&first) = self.starts.get(&accessor.value()) {
+            return Ok(first);
+        }
+        let values = numbers::<2>(asset, accessor)?;
+        check_count("texture coordinates", values.len(), count)?;
+        let first = self.corners.values.len() as u32;
+        self.corners.values.extend(values.into_iter().map(|[u, v]| finite([u, 1.0 - v])));
+        self.starts.insert(accessor.value(), first);
+        Ok(first)
+    }
+
+    /// The attribute, if any corner has it.
+    pub fn finish(self) -> Option<CornerAttribute<[f64; 2]>> {
+        self.corners.indices.iter().any(Option::is_some).then_some(self.corners)
+    }
+}
+
+/// Normals, collected over all primitives.
+#[derive(Debug, Default)]
+pub struct Normals {
+    corners: CornerAttribute<[f64; 3]>,
+    /// Where the normals of an accessor start, for each run of vertices that has them.
+    starts: HashMap<(usize, usize), u32>,
+}
+
+impl Normals {
+    /// Adds the corners of triangles of run `run`, whose `transforms` give the normals their directions in the scene.
+    ///
+    /// # Errors
+    ///
+    /// Those of the accessor, and another count than that of the vertices.
+    pub fn add(
+        &mut self,
+        asset: &Asset,
+        accessor: Option<Index<Accessor>>,
+        (run, count): (usize, usize),
+        transforms: &Transforms,
+        triangles: &[[u32; 3]],
+    ) -> Result<(), String> {
+        let first = match accessor {
+            None => None,
+            Some(accessor) => match self.starts.get(&(run, accessor.value())) {
+                Some(&first) => Some(first),
+                None => {
+                    let first = self.start(asset, accessor, count, transforms)?;
+                    Some(*self.starts.entry((run, accessor.value())).or_insert(first))
+                }
+            },
+        };
+        self.corners.indices.extend(triangles.as_flattened().iter().map(|v| first.map(|first| first + v)));
+        Ok(())
+    }
+
+    /// Adds the normals of all vertices of a run, of unit length where the scene turns or scales them.
+    fn start(
+        &mut self,
+        asset: &Asset,
+        accessor: Index<Accessor>,
+        count: usize,
+        transforms: &Transforms,
+    ) -> Result<u32, String> {
+        let values = numbers::<3>(asset, accessor)?;
+        check_count("normals", values.len(), count)?;
+        let first = self.corners.values.len() as u32;
+        match transforms {
+            Transforms::Uniform(matrix) => {
+                let turn = turn(matrix);
+                self.corners.values.extend(values.into_iter().map(|normal| turned(turn.as_ref(), normal)));
+            }
+            Transforms::Skinned(matrices) => {
+                let pairs = values.into_iter().zip(matrices);
+                self.corners.values.extend(pairs.map(|(normal, matrix)| turned(turn(matrix).as_ref(), normal)));
+            }
+        }
+        Ok(first)
+    }
+
+    /// The attribute, if any corner has it.
+    pub fn finish(self) -> Option<CornerAttribute<[f64; 3]>> {
+        self.corners.indices.iter().any(Option::is_some).then_some(self.corners)
+    }
+}
+
+/// The matrix that normals follow; `None` if they stay.
+fn turn(matrix: &Matrix4<f64>) -> Option<Matrix3<f64>> {
+    let linear: Matrix3<f64> = matrix.fixed_view::<3, 3>(0, 0).into();
+    (linear != Matrix3::identity()).then(|| linear.try_inverse().unwrap_or_else(Matrix3::identity).transpose())
+}
+
+fn turned(turn: Option<&Matrix3<f64>>, normal: [f64; 3]) -> [f64; 3] {
+    finite(turn.map_or(normal, |turn| (turn * Vector3::from(normal)).normalize().into()))
+}
+
+fn check_count(what: &str, found: usize, expected: usize) -> Result<(), String> {
+    if found == expected { Ok(()) } else { Err(format!("{found} {what} for {expected} vertices")) }
+}
+
+/// Exporters do write NaN for what they cannot compute; no stage depends on these.
+fn finite<const N: usize>(values: [f64; N]) -> [f64; N] {
+    if values.iter().all(|x| x.is_finite()) { values } else { [0.0; N] }
+}

@@ -1,0 +1,254 @@
+//! Runs of vertices and pieces of surface out of placed meshes.
+
+use std::{
+    collections::{HashMap, HashSet},
+    sync::Arc,
+};
+
+use gltf::json::{
+    Accessor, Index,
+    mesh::{Primitive, Semantic},
+};
+use mimesh_core::mesh::{Mesh, Part};
+use nalgebra::{Matrix4, Point3};
+
+use super::{
+    accessor::{count, numbers, whole},
+    asset::{Asset, get},
+    attributes::{Normals, Textures},
+    document::Transforms,
+    evaluator::Run,
+    materials,
+    morphs::{self, Moves, Name, Shape},
+    primitive::{attribute, triangles},
+    scene::Placed,
+    skin::{Influences, Skin},
+};
+
+/// The triangles of a primitive under a node.
+#[derive(Debug)]
+pub struct Piece {
+    /// The run of its vertices.
+    pub run: usize,
+    /// The primitive, by its number in the mesh.
+    pub primitive: usize,
+    /// Name of the object, and mesh and primitive, for messages.
+    object: String,
+    /// The first vertex, and their number.
+    vertices: (usize, usize),
+    /// Corners from the first vertex of the run.
+    triangles: Vec<[u32; 3]>,
+    texture: Option<Index<Accessor>>,
+    normal: Option<Index<Accessor>>,
+    material: Option<usize>,
+}
+
+/// The accessors that primitives must share to share vertices.
+#[derive(Eq, Hash, PartialEq)]
+struct Sharing {
+    position: usize,
+    targets: Vec<Option<usize>>,
+    joints: Vec<[Option<usize>; 2]>,
+}
+
+/// The mesh in the making.
+pub struct Builder<'a> {
+    asset: &'a Asset,
+    /// The vertices.
+    pub runs: Vec<Run>,
+    /// The triangles.
+    pub pieces: Vec<Piece>,
+    /// Poses that morph targets make.
+    pub shapes: Vec<Shape>,
+    skins: HashMap<usize, Arc<Skin>>,
+}
+
+impl<'a> Builder<'a> {
+    /// Nothing yet.
+    pub fn new(asset: &'a Asset) -> Self {
+        Self { asset, runs: Vec::new(), pieces: Vec::new(), shapes: Vec::new(), skins: HashMap::new() }
+    }
+
+    /// Adds the mesh of a node.
+    ///
+    /// # Errors
+    ///
+    /// Names mesh and primitive, and what cannot be read.
+    pub fn add(&mut self, placed: &Placed) -> Result<(), String> {
+        let mesh = get(&self.asset.root.meshes, placed.mesh, "mesh")?;
+        let names = morphs::names(self.asset, placed.mesh, mesh);
+        let mut shared = HashMap::new();
+        for &index in &placed.primitives {
+            let added = self.add_primitive(placed, index, &names, &mut shared);
+            added.map_err(|message| format!("mesh `{}`, primitive {index}: {message}", placed.name))?;
+        }
+        Ok(())
+    }
+
+    fn add_primitive(
+        &mut self,
+        placed: &Placed,
+        index: usize,
+        names: &[Name],
+        shared: &mut HashMap<Sharing, usize>,
+    ) -> Result<(), String> {
+        let primitive = &self.asset.root.meshes[placed.mesh].primitives[index];
+        let position = attribute(primitive, Semantic::Positions).ok_or("no positions")?;
+        let count = count(self.asset, position)?;
+        let corners = match primitive.indices {
+            Some(accessor) => whole::<1>(self.asset, accessor)?.into_flattened(),
+            None => (0..u32::try_from(count).map_err(|_| format!("{count} vertices are too many"))?).collect(),
+        };
+        if let Some(corner) = corners.iter().find(|&&corner| corner as usize >= count) {
+            return Err(format!("vertex index {corner} is out of range: there are {count} vertices (from 0)"));
+        }
+        let triangles = triangles(&primitive.mode, &corners)?;
+        let sharing = Sharing::new(primitive, position);
+        let run = match shared.get(&sharing) {
+            Some(&run) => run,
+            None => {
+                let run = self.add_run(placed, primitive, position, names)?;
+                *shared.entry(sharing).or_insert(run)
+            }
+        };
+        if let Some(material) = primitive.material {
+            get(&self.asset.root.materials, material.value(), "material")?;
+        }
+        self.pieces.push(Piece {
+            run,
+            primitive: index,
+            object: placed.name.clone(),
+            vertices: (self.runs[run].vertices.start, count),
+            triangles,
+            texture: attribute(primitive, Semantic::TexCoords(0)),
+            normal: attribute(primitive, Semantic::Normals),
+            material: primitive.material.map(|material| material.value()),
+        });
+        Ok(())
+    }
+
+    /// Adds vertices and what moves them.
+    fn add_run(
+        &mut self,
+        placed: &Placed,
+        primitive: &Primitive,
+        position: Index<Accessor>,
+        names: &[Name],
+    ) -> Result<usize, String> {
+        let asset = self.asset;
+        let stored: Vec<Point3<f64>> = numbers::<3>(asset, position)?.into_iter().map(Point3::from).collect();
+        check_finite("positions", stored.iter().map(|position| position.coords.into()))?;
+        let first = self.runs.last().map_or(0, |run| run.vertices.end);
+        if first + stored.len() > u32::MAX as usize {
+            return Err("there are more than 2^32 vertices".into());
+        }
+        let run = self.runs.len();
+        let mut targets = Vec::new();
+        for (number, target) in primitive.targets.iter().flatten().enumerate() {
+            let mut moves = Moves::default();
+            if let Some(accessor) = target.positions {
+                let all = numbers::<3>(asset, accessor)?;
+                if all.len() != stored.len() {
+                    return Err(format!("morph target {number} has {} vertices, the mesh {}", all.len(), stored.len()));
+                }
+                check_finite(&format!("displacements of morph target {number}"), all.iter().copied())?;
+                moves = Moves::new(&all);
+                morphs::add(&mut self.shapes, &names[number], run, number);
+            }
+            targets.push(moves);
+        }
+        let skin = match asset.root.nodes[placed.node].skin {
+            Some(skin) => {
+                let skin = self.skin(skin.value())?;
+                Influences::read(asset, primitive, &skin, stored.len())?.map(|influences| (skin, influences))
+            }
+            None => None,
+        };
+        let vertices = first..first + stored.len();
+        self.runs.push(Run { node: placed.node, mesh: placed.mesh, vertices, stored, targets, skin });
+        Ok(run)
+    }
+
+    fn skin(&mut self, index: usize) -> Result<Arc<Skin>, String> {
+        if let Some(skin) = self.skins.get(&index) {
+            return Ok(skin.clone());
+        }
+        let skin = Arc::new(Skin::new(self.asset, index)?);
+        Ok(self.skins.entry(index).or_insert(skin).clone())
+    }
+}
+
+impl Sharing {
+    fn new(primitive: &Primitive, position: Index<Accessor>) -> Self {
+        let number = |semantic| attribute(primitive, semantic).map(|accessor| accessor.value());
+        let set = |set| [number(Semantic::Joints(set)), number(Semantic::Weights(set))];
+        Self {
+            position: position.value(),
+            targets: primitive.targets.iter().flatten().map(|target| target.positions.map(|p| p.value())).collect(),
+            joints: (0..).map(set).take_while(|set| *set != [None; 2]).collect(),
+        }
+    }
+}
+
+/// The mesh of all pieces, still without positions; `transforms` are those of the runs at rest.
+///
+/// Triangles of mirrored runs are turned over. Runs that are `morphed` have no normals, since the file's are of another shape.
+///
+/// # Errors
+///
+/// Names mesh and primitive, and the attribute that cannot be read.
+pub fn assemble(asset: &Asset, pieces: &[Piece], transforms: &[Transforms], morphed: &[bool]) -> Result<Mesh, String> {
+    let material_names = materials::names(&asset.root.materials);
+    let mirrored: Vec<bool> = transforms.iter().map(is_mirrored).collect();
+    let (mut mesh, mut textures, mut normals) = (Mesh::default(), Textures::default(), Normals::default());
+    for piece in pieces {
+        let (first, count) = piece.vertices;
+        let mut triangles = piece.triangles.clone();
+        if mirrored[piece.run] {
+            triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
+        }
+        let start = mesh.polygons.len();
+        triangles.iter().for_each(|triangle| mesh.polygons.push(&triangle.map(|v| first as u32 + v)));
+        let normal = piece.normal.filter(|_| !morphed[piece.run]);
+        textures
+            .add(asset, piece.texture, count, &triangles)
+            .and_then(|()| normals.add(asset, normal, (piece.run, count), &transforms[piece.run], &triangles))
+            .map_err(|message| format!("mesh `{}`, primitive {}: {message}", piece.object, piece.primitive))?;
+        let material = piece.material.map(|material| material_names[material].clone());
+        let polygons = start..mesh.polygons.len();
+        add_part(&mut mesh, Part { object: Some(piece.object.clone()), material, polygons, ..Part::default() });
+    }
+    let used: HashSet<usize> = pieces.iter().filter_map(|piece| piece.material).collect();
+    mesh.materials = materials::read(asset, &used);
+    mesh.texture_coordinates = textures.finish();
+    mesh.normals = normals.finish();
+    Ok(mesh)
+}
+
+/// Adds a part, or lengthens the last one if it has the same names.
+fn add_part(mesh: &mut Mesh, part: Part) {
+    match mesh.parts.last_mut() {
+        Some(last) if (&last.object, &last.material) == (&part.object, &part.material) => {
+            last.polygons.end = part.polygons.end;
+        }
+        _ => mesh.parts.push(part),
+    }
+}
+
+/// Whether most vertices are mirrored, which turns their triangles inside out.
+fn is_mirrored(transforms: &Transforms) -> bool {
+    let is_mirror = |matrix: &Matrix4<f64>| matrix.fixed_view::<3, 3>(0, 0).determinant() < 0.0;
+    match transforms {
+        Transforms::Uniform(matrix) => is_mirror(matrix),
+        Transforms::Skinned(matrices) => {
+            2 * matrices.iter().filter(|matrix| is_mirror(matrix)).count() > matrices.len()
+        }
+    }
+}
+
+fn check_finite(what: &str, mut values: impl Iterator<Item = [f64; 3]>) -> Result<(), String> {
+    match values.position(|value| !value.iter().all(|x| x.is_finite())) {
+        None => Ok(()),
+        Some(vertex) => Err(format!("vertex {vertex} (from 0) has {what} that are not finite")),
+    }
+}

@@ -1,0 +1,170 @@
+//! Clips: the animations of a file, as changes of the nodes and of the weights of morph targets.
+
+use std::collections::HashSet;
+
+use gltf::json::{
+    self,
+    animation::{Channel as JsonChannel, Property},
+    validation::Checked,
+};
+use mimesh_core::mesh::Animation;
+
+use super::{
+    accessor::numbers,
+    asset::{Asset, follow, quoted},
+    morphs::distinct,
+    nodes::Local,
+    sampler::Sampler,
+};
+
+/// An animation that can be looked at at any time.
+#[derive(Debug)]
+pub struct Clip {
+    /// The name, unique in the file.
+    pub name: String,
+    /// What moves.
+    channels: Vec<Channel>,
+}
+
+#[derive(Debug)]
+struct Channel {
+    node: usize,
+    property: Property,
+    sampler: Sampler,
+}
+
+/// All clips of a file; channels that cannot be read are left out, and told.
+pub fn read(asset: &mut Asset) -> Vec<Clip> {
+    let animations = &asset.root.animations;
+    let given = |(index, animation): (usize, &json::Animation)| {
+        animation.name.clone().filter(|name| !name.is_empty()).unwrap_or_else(|| index.to_string())
+    };
+    let names = distinct(animations.iter().enumerate().map(given));
+    let mut warnings = Vec::new();
+    let mut clips = Vec::new();
+    for (animation, name) in animations.iter().zip(names) {
+        let (mut channels, mut problems) = (Vec::new(), Vec::new());
+        for channel in &animation.channels {
+            match read_channel(asset, animation, channel) {
+                Ok(channel) => channels.extend(channel),
+                Err(problem) => problems.push(problem),
+            }
+        }
+        if let Some(problem) = problems.first() {
+            let count = problems.len();
+            warnings.push(format!("{count} channels of the clip `{name}` were left out, the first since {problem}"));
+        }
+        clips.push(Clip { name, channels });
+    }
+    asset.warnings.extend(warnings);
+    clips
+}
+
+/// A channel; `None` if what it moves has no morph targets.
+fn read_channel(asset: &Asset, animation: &json::Animation, channel: &JsonChannel) -> Result<Option<Channel>, String> {
+    let node = follow(&asset.root.nodes, channel.target.node, "node")?;
+    let Checked::Valid(property) = channel.target.path else { return Err("it moves an unknown property".into()) };
+    let sampler = follow(&animation.samplers, channel.sampler, "sampler")?;
+    let Checked::Valid(interpolation) = sampler.interpolation else {
+        return Err("its interpolation is not known".into());
+    };
+    let width = match property {
+        Property::Translation | Property::Scale => 3,
+        Property::Rotation => 4,
+        Property::MorphTargetWeights => {
+            let mesh = node.mesh.and_then(|mesh| asset.root.meshes.get(mesh.value()));
+            let targets = mesh.into_iter().flat_map(|mesh| &mesh.primitives);
+            let targets = targets.map(|primitive| primitive.targets.iter().flatten().count()).max().unwrap_or(0);
+            if targets == 0 {
+                return Ok(None);
+            }
+            targets
+        }
+    };
+    let times = numbers::<1>(asset, sampler.input)?.into_flattened();
+    let values = match property {
+        Property::Translation | Property::Scale => numbers::<3>(asset, sampler.output)?.into_flattened(),
+        Property::Rotation => numbers::<4>(asset, sampler.output)?.into_flattened(),
+        Property::MorphTargetWeights => numbers::<1>(asset, sampler.output)?.into_flattened(),
+    };
+    let sampler = Sampler::new(times, values, width, interpolation, property == Property::Rotation)?;
+    Ok(Some(Channel { node: channel.target.node.value(), property, sampler }))
+}
+
+impl Clip {
+    /// Moves what the clip moves to where it is at `seconds`; all else stays.
+    pub fn apply(&self, seconds: f64, locals: &mut [Local], weights: &mut [Vec<f64>]) {
+        for channel in &self.channels {
+            let value = channel.sampler.at(seconds);
+            if channel.property == Property::MorphTargetWeights {
+                weights[channel.node] = value;
+                continue;
+            }
+            let mut local = locals[channel.node].in_parts();
+            if let Local::Parts { translation, rotation, scale } = &mut local {
+                match channel.property {
+                    Property::Translation => translation.copy_from_slice(&value),
+                    Property::Rotation => rotation.copy_from_slice(&value),
+                    _ => scale.copy_from_slice(&value),
+                }
+            }
+            locals[channel.node] = local;
+        }
+    }
+
+    /// The times of the first and of the last key in seconds; both 0 if there is none.
+    pub fn span(&self) -> [f64; 2] {
+        let times = || self.channels.iter().flat_map(|channel| &channel.sampler.times).copied();
+        let [first, last] = [times().fold(f64::INFINITY, f64::min), times().fold(f64::NEG_INFINITY, f64::max)];
+        if first.is_finite() { [first, last] } else { [0.0; 2] }
+    }
+
+    /// The times of the keys that move one of `nodes` or the weights of one of `morphing`, in order, each once.
+    pub fn key_times(&self, nodes: &HashSet<usize>, morphing: &HashSet<usize>) -> Vec<f64> {
+        let moves = |channel: &&Channel| match channel.property {
+            Property::MorphTargetWeights => morphing.contains(&channel.node),
+            _ => nodes.contains(&channel.node),
+        };
+        let channels = self.channels.iter().filter(moves);
+        let mut times: Vec<f64> = channels.flat_map(|channel| &channel.sampler.times).copied().collect();
+        times.sort_by(f64::total_cmp);
+        times.dedup();
+        times
+    }
+}
+
+/// The clips as a file's list of them.
+pub fn list(asset: &Asset, clips: &[Clip]) -> Vec<Animation> {
+    let joints = asset.root.skins.iter().flat_map(|skin| skin.joints.iter().map(|joint| joint.value()));
+    let joints: HashSet<usize> = joints.collect();
+    let describe = |clip: &Clip| {
+        let moved: HashSet<&str> = clip
+            .channels
+            .iter()
+            .map(|channel| match channel.property {
+                Property::MorphTargetWeights => "morph targets",
+                _ if joints.contains(&channel.node) => "skeleton",
+                _ => "nodes",
+            })
+            .collect();
+        let channels = ["morph targets", "skeleton", "nodes"].into_iter().filter(|what| moved.contains(what));
+        let [_, seconds] = clip.span();
+        Animation { name: clip.name.clone(), seconds, channels: channels.map(str::to_owned).collect() }
+    };
+    clips.iter().map(describe).collect()
+}
+
+/// The clip called `name`.
+///
+/// # Errors
+///
+/// Names the clips that there are.
+pub fn find(clips: &[Clip], name: &str) -> Result<usize, String> {
+    clips.iter().position(|clip| clip.name == name).ok_or_else(|| {
+        let names: Vec<_> = clips.iter().map(|clip| &clip.name).collect();
+        match &names[..] {
+            [] => format!("no clip is called `{name}`: the file has none"),
+            names => format!("no clip is called `{name}`: the file has {}", quoted(names)),
+        }
+    })
+}

@@ -1,0 +1,126 @@
+//! Skins: which joints move which vertices.
+
+use gltf::json::mesh::{Primitive, Semantic};
+use nalgebra::{Matrix3x4, Matrix4};
+
+use super::{
+    accessor::{numbers, whole},
+    asset::{Asset, get},
+    primitive::attribute,
+};
+
+/// The joints of a skin.
+#[derive(Debug)]
+pub struct Skin {
+    /// The nodes that are joints.
+    pub joints: Vec<usize>,
+    /// The transform from the mesh as it is stored to each joint.
+    inverse_bind: Vec<Matrix4<f64>>,
+}
+
+impl Skin {
+    /// Reads skin `index`; without inverse bind matrices they are the identity.
+    ///
+    /// # Errors
+    ///
+    /// Names what does not exist, or is not finite.
+    pub fn new(asset: &Asset, index: usize) -> Result<Self, String> {
+        let skin = get(&asset.root.skins, index, "skin")?;
+        let named = |message: String| format!("skin {index}: {message}");
+        let joints: Vec<usize> = skin.joints.iter().map(|joint| joint.value()).collect();
+        for &joint in &joints {
+            get(&asset.root.nodes, joint, "node").map_err(named)?;
+        }
+        let mut inverse_bind = vec![Matrix4::identity(); joints.len()];
+        if let Some(accessor) = skin.inverse_bind_matrices {
+            let matrices = numbers::<16>(asset, accessor).map_err(named)?;
+            if matrices.len() < joints.len() {
+                return Err(named(format!("{} inverse bind matrices for {} joints", matrices.len(), joints.len())));
+            }
+            for (place, matrix) in inverse_bind.iter_mut().zip(matrices) {
+                *place = Matrix4::from_column_slice(&matrix);
+            }
+        }
+        if let Some(joint) = inverse_bind.iter().position(|matrix| !matrix.iter().all(|x| x.is_finite())) {
+            let joint = super::nodes::name(asset, joints[joint]);
+            return Err(named(format!("the inverse bind matrix of {joint} is not finite")));
+        }
+        Ok(Self { joints, inverse_bind })
+    }
+
+    /// The transforms from the stored mesh to the scene, one a joint, when the nodes are at `worlds`.
+    pub fn matrices(&self, worlds: &[Matrix4<f64>]) -> Vec<Matrix3x4<f64>> {
+        let pairs = self.joints.iter().zip(&self.inverse_bind);
+        pairs.map(|(&joint, inverse)| (worlds[joint] * inverse).fixed_view::<3, 4>(0, 0).into()).collect()
+    }
+}
+
+/// How joints move the vertices of a run.
+#[derive(Debug)]
+pub struct Influences {
+    /// Where the influences of each vertex start, and the end of the last.
+    starts: Vec<u32>,
+    /// Joints of the skin, and weights whose sum is 1 for each vertex.
+    influences: Vec<(u32, f64)>,
+}
+
+impl Influences {
+    /// Reads `JOINTS_0`, `WEIGHTS_0`, `JOINTS_1` and so on of a primitive; `None` if it has none, and its node moves it.
+    ///
+    /// Weights are divided by their sum. A vertex without weights follows its first joint, as in three.js.
+    ///
+    /// # Errors
+    ///
+    /// Says what does not fit the `count` vertices or the skin's joints, or is not finite.
+    pub fn read(asset: &Asset, primitive: &Primitive, skin: &Skin, count: usize) -> Result<Option<Self>, String> {
+        let set = |number| {
+            let joints = attribute(primitive, Semantic::Joints(number));
+            joints.zip(attribute(primitive, Semantic::Weights(number)))
+        };
+        let mut sets = Vec::new();
+        for (joints, weights) in (0..).map_while(set) {
+            let (joints, weights) = (whole::<4>(asset, joints)?, numbers::<4>(asset, weights)?);
+            if (joints.len(), weights.len()) != (count, count) {
+                return Err(format!("{} joints and {} weights for {count} vertices", joints.len(), weights.len()));
+            }
+            sets.push((joints, weights));
+        }
+        if sets.is_empty() {
+            return Ok(None);
+        }
+        let (mut starts, mut influences) = (vec![0], Vec::new());
+        for vertex in 0..count {
+            let all = sets.iter().flat_map(|(joints, weights)| joints[vertex].into_iter().zip(weights[vertex]));
+            let sum: f64 = all.clone().map(|(_, weight)| weight.abs()).sum();
+            if !sum.is_finite() {
+                return Err(format!("vertex {vertex} (from 0) has weights that are not finite"));
+            }
+            let first = influences.len();
+            if sum == 0.0 {
+                influences.push((sets[0].0[vertex][0], 1.0));
+            } else {
+                influences
+                    .extend(all.filter(|(_, weight)| *weight != 0.0).map(|(joint, weight)| (joint, weight / sum)));
+            }
+            if let Some((joint, _)) = influences[first..].iter().find(|(joint, _)| *joint as usize >= skin.joints.len())
+            {
+                let joints = skin.joints.len();
+                return Err(format!("vertex {vertex} (from 0) follows joint {joint}: the skin has {joints} (from 0)"));
+            }
+            starts.push(influences.len() as u32);
+        }
+        Ok(Some(Self { starts, influences }))
+    }
+
+    /// The transform of a vertex: that of its joints, weighted.
+    pub fn blend(&self, vertex: usize, joints: &[Matrix3x4<f64>]) -> Matrix3x4<f64> {
+        let influences = &self.influences[self.starts[vertex] as usize..self.starts[vertex + 1] as usize];
+        // One joint alone moves a vertex exactly, without a sum.
+        if let [(joint, weight)] = influences
+            && *weight == 1.0
+        {
+            return joints[*joint as usize];
+        }
+        influences.iter().fold(Matrix3x4::zeros(), |sum, (joint, weight)| sum + joints[*joint as usize] * *weight)
+    }
+}
