@@ -74,7 +74,12 @@ pub fn shapes(glb: &[u8]) -> Vec<Shape> {
                         .collect();
                     let weights = reader.read_weights(0).unwrap().into_f32();
                     let influences = reader.read_joints(0).unwrap().into_u16().zip(weights);
-                    influences.map(|(j, w)| (0..4).map(|i| joints[usize::from(j[i])] * f64::from(w[i])).sum()).collect()
+                    // Exporters leave weights whose sum is not 1; viewers divide by it.
+                    let blend = |(joint, weights): ([u16; 4], [f32; 4])| -> Matrix4<f64> {
+                        let sum: f64 = weights.iter().map(|weight| f64::from(*weight)).sum();
+                        (0..4).map(|i| joints[usize::from(joint[i])] * (f64::from(weights[i]) / sum)).sum()
+                    };
+                    influences.map(blend).collect()
                 }
             };
             let targets = reader.read_morph_targets().map(|(moves, _, _)| {
