@@ -30,6 +30,7 @@ mod scene;
 mod skin;
 mod tolerant;
 mod uri;
+mod views;
 mod writer;
 
 use mimesh_core::{

@@ -149,9 +149,7 @@ pub struct Reduced {
 pub fn reduce(json: &Value) -> Reduced {
     let mut reduced = object(json, ROOT);
     let asset = reduced.entry("asset").or_insert_with(|| json!({}));
-    if asset.get("version").is_none() {
-        asset["version"] = "".into();
-    }
+    asset.as_object_mut().into_iter().for_each(|asset| drop(asset.entry("version").or_insert_with(|| "".into())));
     let pointing = drop_pointers(&mut reduced);
     fill(&mut reduced, "animations", &[("channels", json!([])), ("samplers", json!([]))]);
     fill(&mut reduced, "meshes", &[("primitives", json!([]))]);
