@@ -19,6 +19,8 @@ fn triangle() -> File {
     file
 }
 
+type Edit = fn(&mut Value);
+
 fn edited(edit: impl Fn(&mut File)) -> Result<MeshSequence, mimesh_core::Error> {
     let mut file = triangle();
     edit(&mut file);
@@ -27,7 +29,7 @@ fn edited(edit: impl Fn(&mut File)) -> Result<MeshSequence, mimesh_core::Error> 
 
 #[test]
 fn what_does_not_matter_may_be_wrong() {
-    let edits: Vec<(&str, fn(&mut Value))> = vec![
+    let edits: [(&str, Edit); 12] = [
         ("null weights", |json| json["meshes"][0]["weights"] = Value::Null),
         ("null bounds", |json| json["accessors"][0]["min"] = json!([null, "x", 3])),
         ("float counts", |json| json["accessors"][0]["count"] = json!(3.0)),
@@ -74,7 +76,7 @@ fn bare_words_in_the_json_do_not_matter() {
 
 #[test]
 fn required_extensions_count_where_geometry_uses_them() {
-    let requires = |names: &[&str], edit: fn(&mut Value)| {
+    let requires = |names: &[&str], edit: Edit| {
         edited(|file| {
             file.json["extensionsRequired"] = json!(names);
             edit(&mut file.json);
@@ -91,7 +93,7 @@ fn required_extensions_count_where_geometry_uses_them() {
     });
     let expected = "extensions of nodes are not followed: `ACME_magic`, `EXT_mesh_gpu_instancing`";
     assert_eq!(nodes.unwrap().warnings, [expected]);
-    let places: [fn(&mut Value); 3] = [
+    let places: [Edit; 3] = [
         |json| json["meshes"][0]["primitives"][0]["extensions"] = json!({ "ACME_magic": {} }),
         |json| json["accessors"][0]["extensions"] = json!({ "ACME_magic": {} }),
         |json| json["bufferViews"][0]["extensions"] = json!({ "ACME_magic": {} }),
