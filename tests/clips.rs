@@ -14,7 +14,7 @@ const CLIP: &str = "\
 source: { rest: arm.gltf, poses: { clip: Bend, fps: 4 } }
 target: { rest: arm.gltf }
 correspondence: { type: identity }
-transfer: { type: copy_displacement, orientation: none, scale: 1 }
+transfer: { type: gradient }
 output: [ 'out/{pose}.obj', out/arm.glb ]
 ";
 

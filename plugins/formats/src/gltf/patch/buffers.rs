@@ -4,7 +4,10 @@ use std::io;
 
 use serde_json::{Map, Value, json};
 
-use super::stored::{list, number};
+use super::{
+    draco,
+    stored::{list, number},
+};
 use crate::gltf::{binary::Binary, document::GltfDocument};
 
 /// The extensions by which buffer views are compressed, for which `decompressed` of a document stands in.
@@ -89,7 +92,7 @@ fn retarget(view: &mut Value, starts: &[u64], unread: &[usize]) {
     }
 }
 
-/// Writes out the views that were compressed.
+/// Writes out what was compressed: views, and primitives.
 fn decompress(
     document: &GltfDocument,
     json: &mut Value,
@@ -104,40 +107,44 @@ fn decompress(
         view.insert("byteLength".into(), bytes.len().into());
         COMPRESSIONS.iter().for_each(|name| remove_extension(view, name));
     }
-    let Some(root) = json.as_object_mut().filter(|_| !document.decompressed.is_empty()) else { return Ok(()) };
-    let mut gone = Vec::new();
-    for name in COMPRESSIONS {
+    let was_draco = draco::is_used(json);
+    draco::unpack(document, json, binary)?;
+    let mut unused = Vec::new();
+    for name in COMPRESSIONS.into_iter().filter(|_| !document.decompressed.is_empty()) {
         let pointer = format!("/extensions/{name}");
-        let is_used = binary.views.iter().any(|view| view.pointer(&pointer).is_some());
-        if !is_used && forget_extension(root, name) {
-            gone.push(name);
+        if !binary.views.iter().any(|view| view.pointer(&pointer).is_some()) {
+            unused.push(name);
         }
     }
-    warnings.push(format!("data that were compressed ({}) are written uncompressed", gone.join(", ")));
+    if was_draco && !draco::is_used(json) {
+        unused.push(draco::NAME);
+    }
+    if let Some(root) = json.as_object_mut() {
+        unused.iter().for_each(|name| forget_extension(root, name));
+    }
+    if !document.decompressed.is_empty() || !document.unpacked.is_empty() {
+        warnings.push("compressed parts of the file are written uncompressed".into());
+    }
     Ok(())
 }
 
 /// Takes an extension out of an object; the list of extensions too if none is left.
-fn remove_extension(object: &mut Map<String, Value>, name: &str) {
+pub fn remove_extension(object: &mut Map<String, Value>, name: &str) {
     let Some(extensions) = object.get_mut("extensions").and_then(Value::as_object_mut) else { return };
     if extensions.shift_remove(name).is_some() && extensions.is_empty() {
         object.shift_remove("extensions");
     }
 }
 
-/// Takes an extension out of the lists of those in use; whether it was there.
-fn forget_extension(root: &mut Map<String, Value>, name: &str) -> bool {
-    let mut found = false;
+/// Takes an extension out of the lists of those in use.
+fn forget_extension(root: &mut Map<String, Value>, name: &str) {
     for key in ["extensionsUsed", "extensionsRequired"] {
         let Some(names) = root.get_mut(key).and_then(Value::as_array_mut) else { continue };
-        let before = names.len();
         names.retain(|other| other != name);
-        found |= names.len() < before;
         if names.is_empty() {
             root.shift_remove(key);
         }
     }
-    found
 }
 
 /// Takes images that lay in files of their own into the buffer, so that the output works in any folder.

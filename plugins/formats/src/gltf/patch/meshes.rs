@@ -47,17 +47,19 @@ impl NewTargets<'_> {
     ///
     /// A mesh that several nodes show with different targets is copied for all nodes but the first of these.
     pub fn apply(&self, nodes: &[Shown], json: &mut Value, binary: &mut Binary, zeros: &mut Zeros) {
+        let originals = list(json, "meshes").to_vec();
         for (index, shown) in nodes.iter().enumerate() {
+            let original = &originals[shown.mesh];
             let mesh = match nodes[..index].iter().find(|earlier| earlier.mesh == shown.mesh) {
                 Some(first) if self.same(first, shown) => continue,
                 Some(_) => {
                     let meshes = json["meshes"].as_array_mut().expect("the placements are of meshes of this list");
-                    meshes.push(self.patched(shown, binary, zeros));
+                    meshes.push(self.patched(shown, original, binary, zeros));
                     let copy = meshes.len() - 1;
                     json["nodes"][shown.node]["mesh"] = copy.into();
                     continue;
                 }
-                None => self.patched(shown, binary, zeros),
+                None => self.patched(shown, original, binary, zeros),
             };
             json["meshes"][shown.mesh] = mesh;
         }
@@ -79,18 +81,28 @@ impl NewTargets<'_> {
         nodes.iter().map(total).collect::<Vec<_>>().into_iter()
     }
 
-    /// Sentences about meshes that are copied.
+    /// Sentences about meshes that are copied, and about those that have no room for names.
     pub fn warnings(&self, nodes: &[Shown]) -> Vec<String> {
+        let json = &self.document.json;
+        let quoted = |shown: &Shown| format!("`{}`", mesh_name(json, shown.mesh));
         let copied = nodes.iter().enumerate().filter(|(index, shown)| {
             let first = nodes[..*index].iter().find(|earlier| earlier.mesh == shown.mesh);
             first.is_some_and(|first| !self.same(first, shown))
         });
-        let copied: Vec<_> =
-            copied.map(|(_, shown)| format!("`{}`", mesh_name(&self.document.json, shown.mesh))).collect();
-        if copied.is_empty() {
-            return Vec::new();
+        let copied: Vec<_> = copied.map(|(_, shown)| quoted(shown)).collect();
+        let extras = |shown: &Shown| list(json, "meshes")[shown.mesh].get("extras");
+        let taken = nodes.iter().filter(|shown| extras(shown).is_some_and(|e| !e.is_null() && !e.is_object()));
+        let taken: Vec<_> = taken.map(quoted).collect();
+        let mut warnings = Vec::new();
+        if !copied.is_empty() {
+            let why = "meshes that several nodes show are copied, since they move differently";
+            warnings.push(format!("{why}: {}", copied.join(", ")));
         }
-        vec![format!("meshes that several nodes show are copied, since they move differently: {}", copied.join(", "))]
+        if !taken.is_empty() {
+            let why = "morph targets have no names, since the extras of their meshes are no object";
+            warnings.push(format!("{why}: {}", taken.join(", ")));
+        }
+        warnings
     }
 
     /// Whether the mesh of two nodes moves alike.
@@ -102,9 +114,9 @@ impl NewTargets<'_> {
             })
     }
 
-    /// The mesh of a node with its new targets.
-    fn patched(&self, shown: &Shown, binary: &mut Binary, zeros: &mut Zeros) -> Value {
-        let mut mesh = list(&self.document.json, "meshes")[shown.mesh].clone();
+    /// The mesh of a node, `original`, with its new targets.
+    fn patched(&self, shown: &Shown, original: &Value, binary: &mut Binary, zeros: &mut Zeros) -> Value {
+        let mut mesh = original.clone();
         let existing = target_count(&mesh);
         let mut all = names::existing(&self.document.json, shown.mesh);
         for index in 0..list(&mesh, "primitives").len() {

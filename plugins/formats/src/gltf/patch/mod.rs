@@ -1,13 +1,15 @@
 //! A glTF given back as it was, with morph targets and animations added.
 //!
-//! The JSON of the file is copied and only what the new targets need is changed: [`meshes`] has the targets, [`names`] their
-//! names, [`clips`] the animations of weights. [`buffers`] brings all bytes into one buffer, of which the file's own first
+//! The JSON of the file is copied and only what the new targets need is changed: [`morphs`] computes the targets, [`meshes`]
+//! enters them, [`names`] has their names, [`clips`] the animations of weights. [`buffers`] brings all bytes into one buffer, of which the file's own first
 //! one is the start, so that views and accessors of the file keep their numbers and places.
 
 mod buffers;
 mod clips;
+mod draco;
 mod layout;
 mod meshes;
+mod morphs;
 mod names;
 mod place;
 mod stored;
@@ -23,11 +25,10 @@ use nalgebra::Point3;
 use serde_json::Value;
 
 use super::{binary::Binary, document::GltfDocument, options::Options, output, pose_clips::PoseList};
-use crate::normals::PosedNormals;
 use layout::{Shown, describes, mesh_name, shown};
-use meshes::{NewTargets, Target, Zeros};
+use meshes::NewTargets;
+use morphs::Morphs;
 use names::NewNames;
-use place::{CornersAt, Place};
 
 /// A copy of a mesh's glTF in the making, to which poses are added as morph targets.
 pub struct PatchWriter {
@@ -35,11 +36,7 @@ pub struct PatchWriter {
     mesh: Mesh,
     json: Value,
     binary: Binary,
-    places: Vec<Place>,
-    normals: Option<PosedNormals>,
-    /// One a placement, one a pose.
-    targets: Vec<Vec<Target>>,
-    zeros: Zeros,
+    morphs: Morphs,
     names: NewNames,
     poses: PoseList,
     warnings: Vec<String>,
@@ -62,19 +59,12 @@ impl PatchWriter {
         let mut json = document.json.clone();
         let mut warnings = Vec::new();
         let binary = buffers::gather(document, &mut json, &mut warnings)?;
-        let normals = options.pose_normals.then(|| (PosedNormals::new(mesh, &mesh.positions), CornersAt::new(mesh)));
-        let place =
-            |placement| Place::new(document, placement, normals.as_ref().map(|(normals, corners)| (normals, corners)));
-        let places: Vec<_> = document.placements.iter().map(place).collect();
         let taken = shown(document).into_iter().flat_map(|shown| names::existing(&document.json, shown.mesh));
         Ok(Some(Self {
             options,
             json,
             binary,
-            normals: normals.map(|(normals, _)| normals),
-            targets: vec![Vec::new(); places.len()],
-            places,
-            zeros: Zeros::default(),
+            morphs: Morphs::new(document, mesh, options.pose_normals),
             names: NewNames::new(taken),
             poses: PoseList::default(),
             warnings,
@@ -83,7 +73,7 @@ impl PatchWriter {
     }
 
     fn new_targets<'a>(&'a self, document: &'a GltfDocument) -> NewTargets<'a> {
-        NewTargets { document, targets: &self.targets, names: &self.poses.names }
+        NewTargets { document, targets: &self.morphs.targets, names: &self.poses.names }
     }
 }
 
@@ -92,41 +82,7 @@ impl SequenceWriter for PatchWriter {
         Error::check_shape("posed vertices (#V)", self.mesh.positions.len(), positions.len())?;
         check_finite(positions)?;
         let Some(document) = document(&self.mesh) else { unreachable!("the writer was made for a document") };
-        let normals = self.normals.as_ref().map(|normals| (normals.rest(), normals.of_groups(&self.mesh, positions)));
-        let mut all_moves: Vec<Vec<[f32; 3]>> = Vec::new();
-        for (index, placement) in document.placements.iter().enumerate() {
-            let range = placement.vertices.clone();
-            let place = &mut self.places[index];
-            let moves = place.displacements(&self.mesh.positions[range.clone()], &positions[range]);
-            let twin = document.placements[..index].iter().zip(&all_moves).position(|(other, other_moves)| {
-                (other.mesh, &other.primitives) == (placement.mesh, &placement.primitives)
-                    && equal_in_file(&moves, other_moves, placement)
-            });
-            let target = match twin {
-                Some(twin) => self.targets[twin].last().expect("it was added just now").clone(),
-                None => {
-                    let turns = |(rest, posed): &(&[[f64; 3]], Vec<[f64; 3]>)| -> Vec<Vec<[f32; 3]>> {
-                        place
-                            .normals
-                            .iter()
-                            .map(|n| place.turns(n, &placement.scene_from_stored, rest, posed))
-                            .collect()
-                    };
-                    let turns = normals.as_ref().map(turns).unwrap_or_default();
-                    let mut accessor = |values: &[[f32; 3]], bounds| {
-                        if values.iter().all(|value| *value == [0.0; 3]) {
-                            return Ok(self.zeros.get(&mut self.binary, values.len()));
-                        }
-                        self.binary.displacements(values, bounds)
-                    };
-                    let position = accessor(&moves, true)?;
-                    let turns = turns.iter().map(|turns| accessor(turns, false)).collect::<Result<Vec<_>, _>>()?;
-                    Target { position, normals: place.normals_of.iter().map(|entry| entry.map(|n| turns[n])).collect() }
-                }
-            };
-            self.targets[index].push(target);
-            all_moves.push(moves);
-        }
+        self.morphs.add(document, &self.mesh, positions, &mut self.binary)?;
         let name = self.names.add(name);
         self.poses.names.push(name);
         self.poses.times.push(time.cloned());
@@ -139,8 +95,7 @@ impl SequenceWriter for PatchWriter {
         warnings.extend(self.names.warning());
         warnings.extend(self.new_targets(document).warnings(&shown(document)));
         for shown in shown(document) {
-            let stuck =
-                shown.placements.iter().flat_map(|&place| &self.places[place].stuck).filter(|stuck| **stuck).count();
+            let stuck = self.morphs.stuck(&shown);
             if stuck > 0 {
                 let name = mesh_name(&document.json, shown.mesh);
                 warnings.push(format!(
@@ -156,8 +111,8 @@ impl SequenceWriter for PatchWriter {
         let Some(document) = document(&self.mesh) else { unreachable!("the writer was made for a document") };
         if !self.poses.names.is_empty() {
             let nodes: Vec<Shown> = shown(document);
-            let new = NewTargets { document, targets: &self.targets, names: &self.poses.names };
-            new.apply(&nodes, &mut self.json, &mut self.binary, &mut self.zeros);
+            let new = NewTargets { document, targets: &self.morphs.targets, names: &self.poses.names };
+            new.apply(&nodes, &mut self.json, &mut self.binary, &mut self.morphs.zeros);
             let totals: HashMap<usize, usize> = new.meshes(&nodes, &self.json).collect();
             clips::lengthen(document, &mut self.json, &mut self.binary, &totals)?;
             let clips = self.poses.clips(self.options.animation, self.options.frames_per_second);
@@ -166,16 +121,4 @@ impl SequenceWriter for PatchWriter {
         buffers::settle(&mut self.json, &mut self.binary);
         output::write(self.json, self.binary, self.options.binary, out)
     }
-}
-
-/// Whether displacements differ by no more than the rounding of the stored positions.
-///
-/// Nodes that show one mesh have different transforms, whose rounding must not make them differ.
-fn equal_in_file(a: &[[f32; 3]], b: &[[f32; 3]], placement: &super::document::Placement) -> bool {
-    if a == b {
-        return true;
-    }
-    let size = placement.stored.iter().map(|p| p.coords.amax()).fold(0.0, f64::max);
-    let bound = (f64::from(f32::EPSILON) * size) as f32;
-    a.iter().flatten().zip(b.iter().flatten()).all(|(a, b)| (a - b).abs() <= bound)
 }

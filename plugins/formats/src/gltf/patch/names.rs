@@ -18,9 +18,16 @@ pub fn existing(json: &Value, index: usize) -> Vec<String> {
     let has_unnamed = |mesh: &usize| self::given(json, *mesh).contains(&None);
     let alone = (0..list(json, "meshes").len()).filter(has_unnamed).nth(1).is_none();
     let numbered = |target: usize| {
-        if alone { format!("target-{target}") } else { format!("{}-target-{target}", mesh_name(json, index)) }
+        if alone { format!("target-{target}") } else { format!("{}-target-{target}", shown_name(json, index)) }
     };
     given.into_iter().enumerate().map(|(target, name)| name.unwrap_or_else(|| numbered(target))).collect()
+}
+
+/// The name of the first node that shows a mesh, else that of the mesh.
+fn shown_name(json: &Value, mesh: usize) -> String {
+    let node = list(json, "nodes").iter().find(|node| number(node, "mesh") == Some(mesh));
+    let name = node.and_then(|node| node.get("name")?.as_str()).filter(|name| !name.is_empty());
+    name.map_or_else(|| mesh_name(json, mesh), str::to_owned)
 }
 
 /// The names that the file gives.
@@ -120,6 +127,8 @@ mod tests {
         json["meshes"].as_array_mut().unwrap().push(unnamed);
         assert_eq!(existing(&json, 0), ["of", "at", "wink", "mesh-0-target-3"]);
         assert_eq!(existing(&json, 1), ["hair-target-0"]);
+        json["nodes"] = json!([{}, { "mesh": 1, "name": "wig" }]);
+        assert_eq!(existing(&json, 1), ["wig-target-0"]);
     }
 
     #[test]

@@ -37,7 +37,11 @@ pub fn list<'a>(json: &'a Value, key: &str) -> &'a [Value] {
 pub fn entries(document: &GltfDocument, index: usize) -> Option<Entries> {
     let accessor = list(&document.json, "accessors").get(index)?;
     let count = number(accessor, "count")?;
-    let size = component_size(number(accessor, "componentType")?)? * components(accessor)?;
+    let size = entry_size(accessor)?;
+    if let Some((_, bytes)) = document.unpacked.iter().find(|(accessor, _)| *accessor == index) {
+        return Some(Entries { bytes: bytes.clone(), size })
+            .filter(|entries| Some(entries.bytes.len()) == count.checked_mul(size));
+    }
     let mut bytes = match number(accessor, "bufferView") {
         Some(view) => run(document, view, number(accessor, "byteOffset").unwrap_or(0), count, size, true)?,
         None => vec![0; count.checked_mul(size).filter(|&length| length <= MAX_ZEROS)?],
@@ -66,16 +70,53 @@ pub fn vectors(document: &GltfDocument, index: usize) -> Option<Vec<[f64; 3]>> {
     }
     let Entries { bytes, size } = entries(document, index)?;
     let normalized = accessor.get("normalized").and_then(Value::as_bool).unwrap_or(false);
-    let scaled = |x: f64, largest: f64| if normalized { (x / largest).max(-1.0) } else { x };
-    let read = |b: &[u8]| match (size / 3, number(accessor, "componentType")) {
-        (1, Some(5120)) => scaled(f64::from(b[0] as i8), 127.0),
-        (1, _) => scaled(f64::from(b[0]), 255.0),
-        (2, Some(5122)) => scaled(f64::from(i16::from_le_bytes([b[0], b[1]])), 32767.0),
-        (2, _) => scaled(f64::from(u16::from_le_bytes([b[0], b[1]])), 65535.0),
-        (_, Some(5125)) => f64::from(u32::from_le_bytes([b[0], b[1], b[2], b[3]])),
-        _ => f64::from(f32::from_le_bytes([b[0], b[1], b[2], b[3]])),
-    };
-    Some(bytes.chunks_exact(size).map(|entry| std::array::from_fn(|i| read(&entry[i * size / 3..]))).collect())
+    let code = number(accessor, "componentType")?;
+    let largest = largest(code).filter(|_| normalized);
+    let scaled = |x: f64| largest.map_or(x, |largest| (x / largest).max(-1.0));
+    let entry = |entry: &[u8]| std::array::from_fn(|i| scaled(component(&entry[i * size / 3..], code)));
+    Some(bytes.chunks_exact(size).map(entry).collect())
+}
+
+/// Bytes an entry of an accessor.
+pub fn entry_size(accessor: &Value) -> Option<usize> {
+    Some(component_size(number(accessor, "componentType")?)? * components(accessor)?)
+}
+
+/// The number at the start of `bytes`, of component type `code`.
+fn component(bytes: &[u8], code: usize) -> f64 {
+    match code {
+        5120 => f64::from(bytes[0] as i8),
+        5121 => f64::from(bytes[0]),
+        5122 => f64::from(i16::from_le_bytes([bytes[0], bytes[1]])),
+        5123 => f64::from(u16::from_le_bytes([bytes[0], bytes[1]])),
+        5125 => f64::from(u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]])),
+        _ => f64::from(f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]])),
+    }
+}
+
+/// The number of a component type that stands for 1.
+fn largest(code: usize) -> Option<f64> {
+    match code {
+        5120 => Some(127.0),
+        5121 => Some(255.0),
+        5122 => Some(32767.0),
+        5123 => Some(65535.0),
+        _ => None,
+    }
+}
+
+/// The smallest and largest components of entries that `accessor` describes, as its bounds state them.
+pub fn bounds(accessor: &Value, bytes: &[u8]) -> Option<(Vec<f64>, Vec<f64>)> {
+    let (size, code) = (entry_size(accessor)?, number(accessor, "componentType")?);
+    let width = component_size(code)?;
+    let mut bounds: Option<(Vec<f64>, Vec<f64>)> = None;
+    for entry in bytes.chunks_exact(size) {
+        let numbers: Vec<f64> = entry.chunks_exact(width).map(|bytes| component(bytes, code)).collect();
+        let (low, high) = bounds.get_or_insert_with(|| (numbers.clone(), numbers.clone()));
+        low.iter_mut().zip(&numbers).for_each(|(low, x)| *low = low.min(*x));
+        high.iter_mut().zip(&numbers).for_each(|(high, x)| *high = high.max(*x));
+    }
+    bounds
 }
 
 /// An accessor without data is all zeros; more bytes than this are taken for damage.

@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 use super::{
     build::{Builder, write},
     difference::differences,
-    evaluate::{load, load_some, parts, shapes},
+    evaluate::{load, load_parts, parts, shapes},
 };
 use crate::Glb;
 
@@ -91,7 +91,7 @@ fn nodes_that_show_one_mesh_share_it_where_they_move_alike() {
 #[test]
 fn meshes_that_were_not_read_stay_as_they_are() {
     let before = two_nodes();
-    let mesh = load_some(&before, |shape| shape.mesh == 1);
+    let mesh = load_parts(&before, &["other"]);
     let (after, _) = write(&Glb::default(), &mesh, &[("up", None, raised(&mesh.positions))]);
     let (old, new) = (parts(&before).0, parts(&after).0);
     assert_eq!(old["nodes"], new["nodes"]);
@@ -117,13 +117,15 @@ fn points_lines_and_primitives_left_out_keep_the_number_of_targets() {
     let mut file = Builder::new(json!({
         "asset": { "version": "2.0" }, "scene": 0, "scenes": [{ "nodes": [0] }], "nodes": [{ "mesh": 0 }],
     }));
-    let (read, left_out, mut line) = (file.square(1.0), file.square(2.0), file.square(4.0));
+    let (mut read, left_out, mut line) = (file.square(1.0), file.square(2.0), file.square(4.0));
     let mut outline = read.clone();
     outline["mode"] = 1.into();
+    read["material"] = 0.into();
     line["mode"] = 1.into();
+    file.json["materials"] = json!([{ "name": "red" }]);
     file.json["meshes"] = json!([{ "primitives": [left_out, read, outline, line] }]);
     let before = file.glb();
-    let mesh = load_some(&before, |shape| shape.primitive == 1);
+    let mesh = load_parts(&before, &["red"]);
     let (after, _) = write(&Glb::default(), &mesh, &[("up", None, raised(&mesh.positions))]);
     let json = parts(&after).0;
     let accessor = |primitive: usize| {

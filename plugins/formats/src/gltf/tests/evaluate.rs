@@ -1,11 +1,14 @@
 //! An evaluation of a GLB that shares nothing with reader and writer: the `gltf` crate's numbers, matrices in f64.
 
 use gltf::{Gltf, Node, mesh::Mode};
-use mimesh_core::mesh::{CornerAttribute, Document, Mesh};
+use mimesh_core::{
+    mesh::Mesh,
+    stage::{BytesInput, Format, Selection},
+};
 use nalgebra::{Matrix4, Point3, Quaternion, UnitQuaternion, Vector3};
 use serde_json::Value;
 
-use crate::gltf::document::{GltfDocument, Placement, Transforms};
+use crate::Glb;
 
 /// A primitive of triangles under a node.
 pub struct Shape {
@@ -14,7 +17,6 @@ pub struct Shape {
     pub primitive: usize,
     pub position: usize,
     pub stored: Vec<Point3<f64>>,
-    pub normals: Option<Vec<[f64; 3]>>,
     pub transforms: Vec<Matrix4<f64>>,
     pub targets: Vec<Vec<Vector3<f64>>>,
     pub corners: Vec<u32>,
@@ -72,7 +74,12 @@ pub fn shapes(glb: &[u8]) -> Vec<Shape> {
                         .collect();
                     let weights = reader.read_weights(0).unwrap().into_f32();
                     let influences = reader.read_joints(0).unwrap().into_u16().zip(weights);
-                    influences.map(|(j, w)| (0..4).map(|i| joints[usize::from(j[i])] * f64::from(w[i])).sum()).collect()
+                    // Exporters leave weights whose sum is not 1; viewers divide by it.
+                    let blend = |(joint, weights): ([u16; 4], [f32; 4])| -> Matrix4<f64> {
+                        let sum: f64 = weights.iter().map(|weight| f64::from(*weight)).sum();
+                        (0..4).map(|i| joints[usize::from(joint[i])] * (f64::from(weights[i]) / sum)).sum()
+                    };
+                    influences.map(blend).collect()
                 }
             };
             let targets = reader.read_morph_targets().map(|(moves, _, _)| {
@@ -84,7 +91,6 @@ pub fn shapes(glb: &[u8]) -> Vec<Shape> {
                 mesh: mesh.index(),
                 primitive: primitive.index(),
                 position: primitive.get(&gltf::Semantic::Positions).unwrap().index(),
-                normals: reader.read_normals().map(|normals| normals.map(|n| n.map(f64::from)).collect()),
                 targets: targets.collect(),
                 corners: match reader.read_indices() {
                     Some(indices) => indices.into_u32().collect(),
@@ -110,54 +116,14 @@ fn place(node: &Node, parent: &Matrix4<f64>, worlds: &mut [Matrix4<f64>], order:
     }
 }
 
-/// The mesh of a GLB at rest, with the document of the shapes that `choose` takes.
-pub fn load_some(glb: &[u8], choose: impl Fn(&Shape) -> bool) -> Mesh {
-    let (json, blob) = parts(glb);
-    let mut mesh = Mesh::default();
-    let mut normals = CornerAttribute::default();
-    let mut placements: Vec<Placement> = Vec::new();
-    let mut positions_of = Vec::new();
-    for shape in shapes(glb).into_iter().filter(choose) {
-        let key = (shape.node, shape.position);
-        let place = match positions_of.iter().position(|other| *other == key) {
-            Some(place) => {
-                placements[place].primitives.push(shape.primitive);
-                place
-            }
-            None => {
-                let start = mesh.positions.len();
-                mesh.positions.extend(shape.at(&[]));
-                positions_of.push(key);
-                placements.push(Placement {
-                    node: shape.node,
-                    mesh: shape.mesh,
-                    primitives: vec![shape.primitive],
-                    vertices: start..mesh.positions.len(),
-                    stored: shape.stored.clone(),
-                    scene_from_stored: Transforms::Skinned(shape.transforms.clone()),
-                });
-                placements.len() - 1
-            }
-        };
-        let start = placements[place].vertices.start as u32;
-        let first = normals.values.len() as u32;
-        for (vertex, normal) in shape.normals.iter().flatten().enumerate() {
-            let linear = shape.transforms[vertex].fixed_view::<3, 3>(0, 0).into_owned();
-            let turned = linear.try_inverse().map(|inverse| (inverse.transpose() * Vector3::from(*normal)).normalize());
-            normals.values.push(turned.unwrap_or_default().into());
-        }
-        for triangle in shape.corners.as_chunks::<3>().0 {
-            mesh.polygons.push(&triangle.map(|corner| start + corner));
-            normals.indices.extend(triangle.map(|corner| shape.normals.as_ref().map(|_| first + corner)));
-        }
-    }
-    mesh.normals = normals.indices.iter().any(Option::is_some).then_some(normals);
-    let document = GltfDocument { json, buffers: vec![blob], placements, ..GltfDocument::default() };
-    mesh.document = Document::new(document);
-    mesh
+/// The named parts of a GLB, all if there is no name, with the document for a writer.
+pub fn load_parts(glb: &[u8], parts: &[&str]) -> Mesh {
+    let meshes = parts.iter().map(|&name| name.to_owned()).collect();
+    let selection = Selection { meshes, keep_document: true, ..Selection::default() };
+    Glb::default().read(&BytesInput::new("a.glb", glb), &selection).unwrap().rest
 }
 
-/// The mesh of a whole GLB at rest, with its document.
+/// The mesh of a whole GLB, with the document for a writer.
 pub fn load(glb: &[u8]) -> Mesh {
-    load_some(glb, |_| true)
+    load_parts(glb, &[])
 }

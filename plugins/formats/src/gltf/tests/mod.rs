@@ -8,6 +8,7 @@ mod difference;
 mod evaluate;
 mod plain;
 mod real_files;
+mod round_trip;
 mod transforms;
 mod validator;
 mod vrm;
