@@ -54,7 +54,7 @@ fn frames_of_a_clip_are_poses_with_their_times() {
     let output = project.mimesh(&["run", "p.yaml"]);
     assert!([0, 3].contains(&output.status), "{}", output.stderr);
     for (frame, degrees) in [0.0, 22.5, 45.0, 67.5, 90.0].into_iter().enumerate() {
-        assert_bent(&vertices(&project.read(&format!("out/Bend-{frame}.obj"))), degrees);
+        assert_bent(&vertices(&project.read(&format!("out/Bend-{frame:02}.obj"))), degrees);
     }
 
     let glb = json_of_glb(&project.bytes("out/arm.glb"));
@@ -64,7 +64,7 @@ fn frames_of_a_clip_are_poses_with_their_times() {
     }
     assert_eq!(
         glb["meshes"][0]["extras"]["targetNames"],
-        serde_json::json!(["Bend-0", "Bend-1", "Bend-2", "Bend-3", "Bend-4"])
+        serde_json::json!(["Bend-00", "Bend-01", "Bend-02", "Bend-03", "Bend-04"])
     );
     assert_eq!(glb["animations"][0], source["animations"][0], "the clip of the skeleton");
     let times = glb["animations"][1]["samplers"][0]["input"].as_u64().expect("times") as usize;
@@ -86,7 +86,7 @@ fn what_is_written_moves_as_it_should_when_it_is_read() {
     );
     let output = project.mimesh(&["run", "p.yaml"]);
     assert!([0, 3].contains(&output.status), "{}", output.stderr);
-    assert_bent(&vertices(&project.read("again/Bend-2.obj")), 45.0);
+    assert_bent(&vertices(&project.read("again/Bend-02.obj")), 45.0);
 }
 
 #[test]
@@ -95,8 +95,6 @@ fn a_file_of_poses_gives_its_clip() {
     // The rest itself is no pose; the same mesh in another file is.
     std::fs::copy(project.path("arm.gltf"), project.path("run.gltf")).expect("a copy");
     project.edit("poses: arm.gltf", "poses: run.gltf");
-    let report = project.mimesh(&["check", "p.yaml", "--json"]).json();
-    assert_eq!(report["runs"].as_array().map(Vec::len).unwrap_or(1), 1);
     let plan = project.mimesh(&["check", "p.yaml"]);
     assert!(plan.stdout.contains("25 poses"), "24 frames a second and the last: {}", plan.stdout);
 }
@@ -108,8 +106,8 @@ fn a_moment_of_a_clip_serves_as_the_rest() {
     project.edit("source: { rest: arm.gltf,", "source: { rest: { file: arm.gltf, clip: Bend, time: 1 },");
     let output = project.mimesh(&["run", "p.yaml"]);
     assert!([0, 3].contains(&output.status), "{}", output.stderr);
-    assert_bent(&vertices(&project.read("out/Bend-4.obj")), 90.0);
-    assert_bent(&vertices(&project.read("out/Bend-1.obj")), 22.5);
+    assert_bent(&vertices(&project.read("out/Bend-04.obj")), 90.0);
+    assert_bent(&vertices(&project.read("out/Bend-01.obj")), 22.5);
 }
 
 #[test]
@@ -121,7 +119,7 @@ fn wrong_clips_and_meshes_are_named_with_those_there_are() {
         output.stderr
     };
     let cases = [
-        ("source.poses={clip: Bent}", ["no clip `Bent`", "Bend"]),
+        ("source.poses={clip: Bent}", ["no clip is called `Bent`", "the file has `Bend`"]),
         ("source.poses=null", ["has no poses", "poses: { clip: Bend }"]),
         ("source.rest={file: arm.gltf, meshes: [leg]}", ["leg", "arm"]),
         ("target.rest={file: arm.gltf, meshes: []}", ["no mesh is named", "leave `meshes` out"]),
@@ -130,7 +128,7 @@ fn wrong_clips_and_meshes_are_named_with_those_there_are() {
         ("target.rest={file: arm.gltf, mesh: arm}", ["unknown key `mesh`", "meshes"]),
         ("source.poses={clip: Bend, fps: 4, at_keys: true}", ["`fps` beside `at_keys`", "remove one"]),
         ("source.poses={clip: Bend, range: [2, 1]}", ["expected a first time", "range: [0.5, 1.5]"]),
-        ("source.poses={clip: Bend, fps: 0}", ["fps", "at least"]),
+        ("source.poses={clip: Bend, fps: 0}", ["`fps`: expected 0.001 to 10000", "found 0"]),
     ];
     for (setting, expected) in cases {
         let stderr = first(setting);

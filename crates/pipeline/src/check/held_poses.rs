@@ -43,20 +43,29 @@ pub(super) fn own_poses(scope: Scope<'_>, found: &mut Findings, mesh: &RestMesh)
     poses
 }
 
-/// The frames of clips: those that came with the rest mesh, or those of another file.
-pub(super) fn frames(scope: Scope<'_>, found: &mut Findings, mesh: &mut RestMesh, clips: &ClipPoses) -> Vec<PoseInput> {
+/// Whether the times of clips can be meant; else there is a diagnostic.
+pub(super) fn check_times(scope: Scope<'_>, found: &mut Findings, clips: &ClipPoses) -> bool {
     let at = |key: &str| path(["source", "poses", key]);
     if clips.at_keys && clips.fps.is_some() {
         found.wrong(scope, &at("fps"), At::Key, "`fps` beside `at_keys`", "remove one of the two");
-        return vec![];
+        return false;
+    }
+    // A number out of its range has a diagnostic already.
+    if clips.fps.is_some_and(|fps| fps <= 0.0) {
+        return false;
     }
     if let Some([start, end]) = clips.range
         && !(start >= 0.0 && start <= end)
     {
         let message = format!("expected a first time from 0 on and a last time not before it, found [{start}, {end}]");
         found.wrong(scope, &at("range"), At::Value, message, "e.g. `range: [0.5, 1.5]`");
-        return vec![];
+        return false;
     }
+    true
+}
+
+/// The frames of clips: those that came with the rest mesh, or those of another file.
+pub(super) fn frames(scope: Scope<'_>, found: &mut Findings, mesh: &mut RestMesh, clips: &ClipPoses) -> Vec<PoseInput> {
     let Some(file) = &clips.file else {
         if mesh.sequence.poses.is_empty() {
             let hint = "name the file that holds the clip, e.g. `poses: { file: run.glb, clip: Run }`";
@@ -64,7 +73,7 @@ pub(super) fn frames(scope: Scope<'_>, found: &mut Findings, mesh: &mut RestMesh
         }
         return held_poses(mesh, 0);
     };
-    let at = at("file");
+    let at = path(["source", "poses", "file"]);
     let file = scope.path(&at, file);
     if !is_readable(scope, found, &file, &at) {
         return vec![];

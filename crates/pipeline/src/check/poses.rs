@@ -14,7 +14,7 @@ use mimesh_document::{
 
 use super::{
     findings::{Findings, Scope},
-    held_poses::{frames, own_poses, poses_in},
+    held_poses::{check_times, frames, own_poses, poses_in},
     rest_meshes::{at_file, in_file, rest_mesh},
     seams::{self, SeamCache},
 };
@@ -37,6 +37,11 @@ pub(super) fn source(
     if source.generator.is_some() && source.poses.is_some() {
         let hint = "a generator brings its own poses; remove `poses`";
         found.wrong(scope, &path(["source", "poses"]), At::Key, "`poses` beside `generator`", hint);
+    }
+    if let Some(Poses::Clips(clips)) = &source.poses
+        && !check_times(scope, found, clips)
+    {
+        return (None, vec![]);
     }
     let mut mesh = rest_file(scope, found, source);
     let poses = match (&source.poses, &mut mesh) {
