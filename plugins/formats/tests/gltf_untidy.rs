@@ -61,6 +61,32 @@ fn what_does_not_matter_may_be_wrong() {
 }
 
 #[test]
+fn normals_and_texture_coordinates_that_cannot_be_read_are_left_out() {
+    let sequence = edited(|file| {
+        let two = file.floats(&[[0.0, 0.0, 1.0]; 2]);
+        let attributes = &mut file.json["meshes"][0]["primitives"][0]["attributes"];
+        (attributes["NORMAL"], attributes["TEXCOORD_0"]) = (two.into(), 99.into());
+    });
+    let sequence = sequence.unwrap();
+    assert!(sequence.rest.normals.is_none() && sequence.rest.texture_coordinates.is_none());
+    let expected = "an attribute of mesh `body`, primitive 0 was left out: accessor 99 does not exist: there are 2 (from 0) \
+                    (2 such in all)";
+    assert_eq!(sequence.warnings, [expected]);
+}
+
+#[test]
+fn joints_may_be_floats() {
+    let mut file = strip();
+    let joints = file.floats(&[[0.0, 1.0, 0.0, 0.0]; 6]);
+    file.json["meshes"][0]["primitives"][0]["attributes"]["JOINTS_0"] = joints.into();
+    assert_eq!(file.read().unwrap().rest.positions, strip().read().unwrap().rest.positions);
+    let joints = file.floats(&[[0.0, 0.5, 0.0, 0.0]; 6]);
+    file.json["meshes"][0]["primitives"][0]["attributes"]["JOINTS_0"] = joints.into();
+    let error = file.read().unwrap_err().to_string();
+    assert!(error.ends_with("has 0.5: expected whole numbers from 0"), "{error}");
+}
+
+#[test]
 fn missing_scenes_show_all_nodes() {
     let sequence = edited(|file| drop(file.json.as_object_mut().unwrap().remove("scenes"))).unwrap();
     assert_eq!(sequence.rest.positions.len(), 3);

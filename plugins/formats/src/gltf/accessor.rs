@@ -26,23 +26,21 @@ pub fn numbers<const N: usize>(asset: &Asset, index: Index<Accessor>) -> Result<
     read(asset, index, accessor, true).map_err(|message| format!("accessor {index} {message}"))
 }
 
-/// Reads accessor `index` as #entries × `N` whole numbers, as indices are; a mark that asks for scaling is ignored.
+/// Reads accessor `index` as #entries × `N` whole numbers from 0, as indices and joints are; some files store these as floats.
+///
+/// A mark that asks for scaling is ignored.
 ///
 /// # Errors
 ///
-/// The errors of [`numbers`], and one for floats and signed integers.
+/// The errors of [`numbers`], and one for numbers that are not whole.
 pub fn whole<const N: usize>(asset: &Asset, index: Index<Accessor>) -> Result<Vec<[u32; N]>, String> {
     let accessor = follow(&asset.root.accessors, index, "accessor")?;
-    let kind = match accessor.component_type {
-        Checked::Valid(kind) => Some(kind.0),
-        Checked::Invalid => None,
-    };
-    if let Some(kind @ (ComponentType::I8 | ComponentType::I16 | ComponentType::F32)) = kind {
-        let code = kind.as_gl_enum();
-        return Err(format!("accessor {index} has component type {code}: expected unsigned integers"));
-    }
     let values = read(asset, index, accessor, false).map_err(|message| format!("accessor {index} {message}"))?;
-    Ok(values.into_iter().map(|entry| entry.map(|x| x as u32)).collect())
+    let is_whole = |x: &f64| x.fract() == 0.0 && (0.0..=f64::from(u32::MAX)).contains(x);
+    match values.as_flattened().iter().find(|x| !is_whole(x)) {
+        Some(x) => Err(format!("accessor {index} has {x}: expected whole numbers from 0")),
+        None => Ok(values.into_iter().map(|entry: [f64; N]| entry.map(|x| x as u32)).collect()),
+    }
 }
 
 /// The number of entries of accessor `index`.

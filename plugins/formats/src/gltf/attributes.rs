@@ -6,7 +6,11 @@ use gltf::json::{Accessor, Index};
 use mimesh_core::mesh::CornerAttribute;
 use nalgebra::{Matrix3, Matrix4, Vector3};
 
-use super::{accessor::numbers, asset::Asset, document::Transforms};
+use super::{
+    accessor::{self, numbers},
+    asset::Asset,
+    document::Transforms,
+};
 
 /// Texture coordinates, collected over all primitives; those of an accessor are there once.
 #[derive(Debug, Default)]
@@ -17,27 +21,13 @@ pub struct Textures {
 }
 
 impl Textures {
-    /// Adds the corners of triangles; their origin becomes the lower left, as everywhere in this program.
+    /// Where the coordinates of `accessor` for `count` vertices start; their origin becomes the lower left, as everywhere here.
     ///
     /// # Errors
     ///
     /// Those of the accessor, and another count than that of the vertices.
-    pub fn add(
-        &mut self,
-        asset: &Asset,
-        accessor: Option<Index<Accessor>>,
-        count: usize,
-        triangles: &[[u32; 3]],
-    ) -> Result<(), String> {
-        let first = match accessor {
-            None => None,
-            Some(accessor) => Some(self.start(asset, accessor, count)?),
-        };
-        self.corners.indices.extend(triangles.as_flattened().iter().map(|v| first.map(|first| first + v)));
-        Ok(())
-    }
-
-    fn start(&mut self, asset: &Asset, accessor: Index<Accessor>, count: usize) -> Result<u32, String> {
+    pub fn start(&mut self, asset: &Asset, accessor: Index<Accessor>, count: usize) -> Result<u32, String> {
+        check_count("texture coordinates", accessor::count(asset, accessor)?, count)?;
         if let Some(&first) = self.starts.get(&accessor.value()) {
             return Ok(first);
         }
@@ -47,6 +37,11 @@ impl Textures {
         self.corners.values.extend(values.into_iter().map(|[u, v]| finite([u, 1.0 - v])));
         self.starts.insert(accessor.value(), first);
         Ok(first)
+    }
+
+    /// Adds the corners of triangles, whose coordinates start at `first`, or that have none.
+    pub fn add(&mut self, first: Option<u32>, triangles: &[[u32; 3]]) {
+        self.corners.indices.extend(triangles.as_flattened().iter().map(|v| first.map(|first| first + v)));
     }
 
     /// The attribute, if any corner has it.
@@ -64,41 +59,21 @@ pub struct Normals {
 }
 
 impl Normals {
-    /// Adds the corners of triangles of run `run`, whose `transforms` give the normals their directions in the scene.
+    /// Where the normals of `accessor` for `count` vertices start, in the scene as the transforms of their run turn them.
     ///
     /// # Errors
     ///
     /// Those of the accessor, and another count than that of the vertices.
-    pub fn add(
-        &mut self,
-        asset: &Asset,
-        accessor: Option<Index<Accessor>>,
-        (run, count): (usize, usize),
-        transforms: &Transforms,
-        triangles: &[[u32; 3]],
-    ) -> Result<(), String> {
-        let first = match accessor {
-            None => None,
-            Some(accessor) => match self.starts.get(&(run, accessor.value())) {
-                Some(&first) => Some(first),
-                None => {
-                    let first = self.start(asset, accessor, count, transforms)?;
-                    Some(*self.starts.entry((run, accessor.value())).or_insert(first))
-                }
-            },
-        };
-        self.corners.indices.extend(triangles.as_flattened().iter().map(|v| first.map(|first| first + v)));
-        Ok(())
-    }
-
-    /// Adds the normals of all vertices of a run, of unit length where the scene turns or scales them.
-    fn start(
+    pub fn start(
         &mut self,
         asset: &Asset,
         accessor: Index<Accessor>,
         count: usize,
-        transforms: &Transforms,
+        (run, transforms): (usize, &Transforms),
     ) -> Result<u32, String> {
+        if let Some(&first) = self.starts.get(&(run, accessor.value())) {
+            return Ok(first);
+        }
         let values = numbers::<3>(asset, accessor)?;
         check_count("normals", values.len(), count)?;
         let first = self.corners.values.len() as u32;
@@ -112,7 +87,13 @@ impl Normals {
                 self.corners.values.extend(pairs.map(|(normal, matrix)| turned(turn(matrix).as_ref(), normal)));
             }
         }
+        self.starts.insert((run, accessor.value()), first);
         Ok(first)
+    }
+
+    /// Adds the corners of triangles, whose normals start at `first`, or that have none.
+    pub fn add(&mut self, first: Option<u32>, triangles: &[[u32; 3]]) {
+        self.corners.indices.extend(triangles.as_flattened().iter().map(|v| first.map(|first| first + v)));
     }
 
     /// The attribute, if any corner has it.

@@ -32,7 +32,7 @@ pub struct Piece {
     pub run: usize,
     /// The primitive, by its number in the mesh.
     pub primitive: usize,
-    /// Name of the object, and mesh and primitive, for messages.
+    /// The name of the object.
     object: String,
     /// The first vertex, and their number.
     vertices: (usize, usize),
@@ -95,14 +95,7 @@ impl<'a> Builder<'a> {
         let primitive = &self.asset.root.meshes[placed.mesh].primitives[index];
         let position = attribute(primitive, Semantic::Positions).ok_or("no positions")?;
         let count = count(self.asset, position)?;
-        let corners = match primitive.indices {
-            Some(accessor) => whole::<1>(self.asset, accessor)?.into_flattened(),
-            None => (0..u32::try_from(count).map_err(|_| format!("{count} vertices are too many"))?).collect(),
-        };
-        if let Some(corner) = corners.iter().find(|&&corner| corner as usize >= count) {
-            return Err(format!("vertex index {corner} is out of range: there are {count} vertices (from 0)"));
-        }
-        let triangles = triangles(&primitive.mode, &corners)?;
+        // Vertices come first: that there are so many is known only when they are read.
         let sharing = Sharing::new(primitive, position);
         let run = match shared.get(&sharing) {
             Some(&run) => run,
@@ -111,6 +104,14 @@ impl<'a> Builder<'a> {
                 *shared.entry(sharing).or_insert(run)
             }
         };
+        let corners = match primitive.indices {
+            Some(accessor) => whole::<1>(self.asset, accessor)?.into_flattened(),
+            None => (0..u32::try_from(count).map_err(|_| format!("{count} vertices are too many"))?).collect(),
+        };
+        if let Some(corner) = corners.iter().find(|&&corner| corner as usize >= count) {
+            return Err(format!("vertex index {corner} is out of range: there are {count} vertices (from 0)"));
+        }
+        let triangles = triangles(&primitive.mode, &corners)?;
         if let Some(material) = primitive.material {
             get(&self.asset.root.materials, material.value(), "material")?;
         }
@@ -193,14 +194,18 @@ impl Sharing {
 /// The mesh of all pieces, still without positions; `transforms` are those of the runs at rest.
 ///
 /// Triangles of mirrored runs are turned over. Runs that are `morphed` have no normals, since the file's are of another shape.
-///
-/// # Errors
-///
-/// Names mesh and primitive, and the attribute that cannot be read.
-pub fn assemble(asset: &Asset, pieces: &[Piece], transforms: &[Transforms], morphed: &[bool]) -> Result<Mesh, String> {
+/// Texture coordinates and normals that cannot be read are left out, which is told in `warnings`.
+pub fn assemble(
+    asset: &Asset,
+    pieces: &[Piece],
+    transforms: &[Transforms],
+    morphed: &[bool],
+    warnings: &mut Vec<String>,
+) -> Mesh {
     let material_names = materials::names(&asset.root.materials);
     let mirrored: Vec<bool> = transforms.iter().map(is_mirrored).collect();
     let (mut mesh, mut textures, mut normals) = (Mesh::default(), Textures::default(), Normals::default());
+    let mut unread = Vec::new();
     for piece in pieces {
         let (first, count) = piece.vertices;
         let mut triangles = piece.triangles.clone();
@@ -209,20 +214,30 @@ pub fn assemble(asset: &Asset, pieces: &[Piece], transforms: &[Transforms], morp
         }
         let start = mesh.polygons.len();
         triangles.iter().for_each(|triangle| mesh.polygons.push(&triangle.map(|v| first as u32 + v)));
+        let texture = piece
+            .texture
+            .and_then(|accessor| textures.start(asset, accessor, count).map_err(|e| unread.push((piece, e))).ok());
+        textures.add(texture, &triangles);
+        let run = (piece.run, &transforms[piece.run]);
         let normal = piece.normal.filter(|_| !morphed[piece.run]);
-        textures
-            .add(asset, piece.texture, count, &triangles)
-            .and_then(|()| normals.add(asset, normal, (piece.run, count), &transforms[piece.run], &triangles))
-            .map_err(|message| format!("mesh `{}`, primitive {}: {message}", piece.object, piece.primitive))?;
+        let normal = normal
+            .and_then(|accessor| normals.start(asset, accessor, count, run).map_err(|e| unread.push((piece, e))).ok());
+        normals.add(normal, &triangles);
         let material = piece.material.map(|material| material_names[material].clone());
         let polygons = start..mesh.polygons.len();
         add_part(&mut mesh, Part { object: Some(piece.object.clone()), material, polygons, ..Part::default() });
+    }
+    if let Some((piece, message)) = unread.first() {
+        let Piece { object, primitive, .. } = piece;
+        let others = if unread.len() > 1 { format!(" ({} such in all)", unread.len()) } else { String::new() };
+        warnings
+            .push(format!("an attribute of mesh `{object}`, primitive {primitive} was left out: {message}{others}"));
     }
     let used: HashSet<usize> = pieces.iter().filter_map(|piece| piece.material).collect();
     mesh.materials = materials::read(asset, &used);
     mesh.texture_coordinates = textures.finish();
     mesh.normals = normals.finish();
-    Ok(mesh)
+    mesh
 }
 
 /// Adds a part, or lengthens the last one if it has the same names.

@@ -55,7 +55,9 @@ fn decode(asset: &Asset, primitive: &Primitive, settings: &Value) -> Result<Vec<
     let corners = size(follow(&asset.root.accessors, indices, "accessor")?.count);
     let position = primitive.attributes[&Checked::Valid(Semantic::Positions)];
     let vertices = size(follow(&asset.root.accessors, position, "accessor")?.count);
-    let limits = DecodeLimits::default().with_max_points(vertices as u64).with_max_faces(corners as u64 / 3);
+    let limits = DecodeLimits::default();
+    let limits = limits.with_max_points(limits.max_points.min(vertices as u64));
+    let limits = limits.with_max_faces(limits.max_faces.min(corners as u64 / 3));
     let mut mesh = Mesh::new();
     let decoded = MeshDecoder::new().decode(&mut DecoderBuffer::new(bytes).with_limits(limits), &mut mesh);
     decoded.map_err(|problem| problem.to_string())?;

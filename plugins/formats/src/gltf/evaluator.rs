@@ -6,10 +6,11 @@ use mimesh_core::mesh::ComputePoses;
 use nalgebra::{Matrix3x4, Matrix4, Point3, Vector3};
 
 use super::{
+    asset::Asset,
     clips::Clip,
     document::Transforms,
     morphs::Moves,
-    nodes::{Local, Nodes},
+    nodes::{Local, MAX_NUMBER, Nodes, name},
     skin::{Influences, Skin},
 };
 
@@ -120,8 +121,22 @@ impl Evaluator {
         self.targets(run, shape, &weights).next().is_some()
     }
 
+    /// Checks that the positions of a shape are finite.
+    ///
+    /// # Errors
+    ///
+    /// Names the node whose transform or weights are not, or are far too large.
+    pub fn check(&self, asset: &Asset, shape: &Shape) -> Result<(), String> {
+        let (worlds, weights) = self.state(shape);
+        self.nodes.check(asset, &worlds)?;
+        match weights.iter().position(|weights| !weights.iter().all(|weight| weight.abs() < MAX_NUMBER)) {
+            None => Ok(()),
+            Some(node) => Err(format!("{} has weights of morph targets that are not finite", name(asset, node))),
+        }
+    }
+
     /// The transforms of the nodes in a shape, and the weights of morph targets if the clip gives them.
-    pub fn state(&self, shape: &Shape) -> (Vec<Matrix4<f64>>, Vec<Vec<f64>>) {
+    fn state(&self, shape: &Shape) -> (Vec<Matrix4<f64>>, Vec<Vec<f64>>) {
         let mut locals: Vec<Local> = self.nodes.locals.clone();
         let mut weights = self.weights.clone();
         if let Some((clip, seconds)) = shape.clip {

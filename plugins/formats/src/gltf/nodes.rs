@@ -5,6 +5,9 @@ use serde_json::Value;
 
 use super::asset::{Asset, get};
 
+/// Transforms and weights are below this: far beyond f32, and so that the product of a few is finite.
+pub const MAX_NUMBER: f64 = 1e60;
+
 /// The transform of a node in its parent.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Local {
@@ -106,8 +109,7 @@ impl Nodes {
     ///
     /// Names the first node whose transform is not.
     pub fn check(&self, asset: &Asset, worlds: &[Matrix4<f64>]) -> Result<(), String> {
-        // Far beyond f32, so that only a damaged file has more.
-        let is_sound = |matrix: &Matrix4<f64>| matrix.iter().all(|x| x.abs() < 1e60);
+        let is_sound = |matrix: &Matrix4<f64>| matrix.iter().all(|x| x.abs() < MAX_NUMBER);
         match self.order.iter().find(|&&node| !is_sound(&worlds[node])) {
             None => Ok(()),
             Some(&node) => Err(format!("{} has a transform that is not finite", name(asset, node))),

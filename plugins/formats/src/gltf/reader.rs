@@ -59,13 +59,13 @@ pub fn read(input: &dyn FileInput, selection: &Selection) -> Result<MeshSequence
     let chosen = poses::choose(&selection.poses, &rest, &shapes, &evaluator, &mut warnings).map_err(unknown)?;
     let of_clips = chosen.iter().map(|pose| &pose.shape).filter(|shape| shape.clip.is_some());
     for shape in of_clips.chain([&rest]) {
-        evaluator.nodes.check(&asset, &evaluator.state(shape).0).map_err(damaged)?;
+        evaluator.check(&asset, shape).map_err(damaged)?;
     }
     evaluator.poses = chosen.iter().map(|pose| pose.shape.clone()).collect();
 
     let transforms = evaluator.transforms(&rest);
     let morphed: Vec<bool> = (0..evaluator.runs.len()).map(|run| evaluator.is_morphed(run, &rest)).collect();
-    let mut mesh = assemble(&asset, &pieces, &transforms, &morphed).map_err(damaged)?;
+    let mut mesh = assemble(&asset, &pieces, &transforms, &morphed, &mut warnings);
     mesh.positions = evaluator.shape(&rest);
     match mesh.validate() {
         Err(Error::Data { message, hint }) => return Err(Error::file(path, message, hint)),
@@ -139,5 +139,41 @@ fn document(
         decompressed: std::mem::take(&mut asset.decompressed),
         unpacked: std::mem::take(&mut asset.unpacked),
         placements: placements.collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use mimesh_core::testkit::data::{data, input};
+    use nalgebra::{Matrix4, Point3};
+
+    use super::*;
+
+    #[test]
+    fn placements_lead_from_the_stored_vertices_to_the_mesh() {
+        let Some(path) = data("robot/RobotExpressive.glb") else { return };
+        let keep = Selection { keep_document: true, ..Selection::default() };
+        let mesh = read(&input(path), &keep).unwrap().rest;
+        let document: &GltfDocument = mesh.document.get().unwrap();
+        let mut next = 0;
+        for placement in &document.placements {
+            assert_eq!(placement.vertices.start, next);
+            assert!(!placement.primitives.is_empty());
+            next = placement.vertices.end;
+            let placed = |vertex: usize, stored: &Point3<f64>| {
+                let matrix: &Matrix4<f64> = match &placement.scene_from_stored {
+                    Transforms::Uniform(matrix) => matrix,
+                    Transforms::Skinned(matrices) => &matrices[vertex],
+                };
+                matrix.transform_point(stored)
+            };
+            let positions = &mesh.positions[placement.vertices.clone()];
+            for (vertex, (stored, position)) in placement.stored.iter().zip(positions).enumerate() {
+                // The same sums; one program adds the last row too.
+                assert!((placed(vertex, stored) - position).norm() < 1e-12);
+            }
+        }
+        assert_eq!(next, mesh.positions.len());
+        assert!(document.placements.iter().any(|placed| matches!(placed.scene_from_stored, Transforms::Skinned(_))));
     }
 }
