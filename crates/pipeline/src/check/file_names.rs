@@ -8,6 +8,10 @@ use std::{
 use mimesh_document::{At, Step};
 
 use super::findings::{Findings, Scope};
+use crate::{
+    input::PoseInput,
+    placeholder::{POSE, with_pose},
+};
 
 /// What every file system in use takes for a name, in bytes.
 const MAX_BYTES: usize = 255;
@@ -18,7 +22,13 @@ const IGNORES_CAPITALS: bool = cfg!(any(windows, target_os = "macos"));
 /// Finds names of `files`, which the pattern at `at` stands for, that are too long, reserved, or differ in capitals alone.
 ///
 /// What cannot be written here is a diagnostic, and what cannot be written elsewhere a warning.
-pub(super) fn check_file_names(scope: Scope<'_>, found: &mut Findings, files: &[PathBuf], at: &[Step]) {
+pub(super) fn check_file_names(
+    scope: Scope<'_>,
+    found: &mut Findings,
+    poses: &[PoseInput],
+    files: &[PathBuf],
+    at: &[Step],
+) {
     let names: Vec<String> =
         files.iter().filter_map(|file| file.file_name()).map(|name| name.to_string_lossy().into_owned()).collect();
     if let Some(long) = names.iter().find(|name| name.len() > MAX_BYTES) {
@@ -27,6 +37,7 @@ pub(super) fn check_file_names(scope: Scope<'_>, found: &mut Findings, files: &[
             format!("the name `{start}…` has {} bytes, more than the {MAX_BYTES} of file systems", long.len());
         found.wrong(scope, at, At::Value, message, "give the pose a shorter name, or write all poses into one file");
     }
+    warn_of_replaced(found, poses);
     let reserved: Vec<&str> = names.iter().map(String::as_str).filter(|name| is_reserved(name)).collect();
     if !reserved.is_empty() {
         let message = format!("names that Windows reserves: {}", listed(&reserved));
@@ -38,6 +49,16 @@ pub(super) fn check_file_names(scope: Scope<'_>, found: &mut Findings, files: &[
         let hint =
             "on Windows and macOS one would replace the other: rename the poses, or write all of them into one file";
         report(scope, found, at, message, hint, IGNORES_CAPITALS);
+    }
+}
+
+/// Tells which poses are called otherwise in names of files.
+fn warn_of_replaced(found: &mut Findings, poses: &[PoseInput]) {
+    let replaced = poses.iter().map(|pose| (&pose.name, with_pose(POSE, &pose.name))).filter(|(old, new)| *old != new);
+    let replaced: Vec<String> = replaced.map(|(old, new)| format!("`{old}` as `{new}`")).collect();
+    if let Some(first) = replaced.first() {
+        let more = if replaced.len() > 1 { format!(" and {} more", replaced.len() - 1) } else { String::new() };
+        found.warnings.push(format!("output: names of poses have characters that files cannot have: {first}{more}"));
     }
 }
 

@@ -54,7 +54,7 @@ pub(super) fn outputs(
             }
         } else if let Some(output) = output(scope, found, &pattern, poses, &at) {
             match &output {
-                Output::Poses(files) => check_file_names(scope, found, files, &at),
+                Output::Poses(files) => check_file_names(scope, found, poses, files, &at),
                 Output::Sequence(file) => check_size(scope, found, file, target, poses, &at),
             }
             // The first file that cannot be written stands for all of a pattern.

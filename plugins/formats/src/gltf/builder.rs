@@ -161,7 +161,7 @@ impl<'a> Builder<'a> {
         let skin = match asset.root.nodes[placed.node].skin {
             Some(skin) => {
                 let skin = self.skin(skin.value())?;
-                Influences::read(asset, primitive, &skin, stored.len())?.map(|influences| (skin, influences))
+                Influences::read(asset, primitive, &skin, &stored)?.map(|influences| (skin, influences))
             }
             None => None,
         };

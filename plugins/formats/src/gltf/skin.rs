@@ -1,7 +1,9 @@
 //! Skins: which joints move which vertices.
 
+use std::{collections::HashMap, ops::Range};
+
 use gltf::json::mesh::{Primitive, Semantic};
-use nalgebra::{Matrix3x4, Matrix4};
+use nalgebra::{Matrix3x4, Matrix4, Point3};
 
 use super::{
     accessor::{numbers, whole},
@@ -55,6 +57,9 @@ impl Skin {
     }
 }
 
+/// Weights of one place that differ by less are the same: a few rounding errors of f32.
+const WEIGHT_NOISE: f64 = 1e-6;
+
 /// How joints move the vertices of a run.
 #[derive(Debug)]
 pub struct Influences {
@@ -67,12 +72,19 @@ pub struct Influences {
 impl Influences {
     /// Reads `JOINTS_0`, `WEIGHTS_0`, `JOINTS_1` and so on of a primitive; `None` if it has none, and its node moves it.
     ///
-    /// Weights are divided by their sum. A vertex without weights follows its first joint, as in three.js.
+    /// Weights are divided by their sum. A vertex without weights follows its first joint, as in three.js. Vertices that are `stored`
+    /// (#V × 3) at one place and have the same weights up to noise, along seams, have exactly the same, so that seams stay closed.
     ///
     /// # Errors
     ///
-    /// Says what does not fit the `count` vertices or the skin's joints, or is not finite.
-    pub fn read(asset: &Asset, primitive: &Primitive, skin: &Skin, count: usize) -> Result<Option<Self>, String> {
+    /// Says what does not fit the vertices or the skin's joints, or is not finite.
+    pub fn read(
+        asset: &Asset,
+        primitive: &Primitive,
+        skin: &Skin,
+        stored: &[Point3<f64>],
+    ) -> Result<Option<Self>, String> {
+        let count = stored.len();
         let set = |number| {
             let joints = attribute(primitive, Semantic::Joints(number));
             joints.zip(attribute(primitive, Semantic::Weights(number)))
@@ -91,7 +103,10 @@ impl Influences {
         let (mut starts, mut influences) = (vec![0], Vec::new());
         for vertex in 0..count {
             let all = sets.iter().flat_map(|(joints, weights)| joints[vertex].into_iter().zip(weights[vertex]));
-            let sum: f64 = all.clone().map(|(_, weight)| weight.abs()).sum();
+            let mut all: Vec<(u32, f64)> = all.filter(|(_, weight)| *weight != 0.0).collect();
+            // Sums do not depend on the order in the file.
+            all.sort_by_key(|(joint, _)| *joint);
+            let sum: f64 = all.iter().map(|(_, weight)| weight.abs()).sum();
             if !sum.is_finite() {
                 return Err(format!("vertex {vertex} (from 0) has weights that are not finite"));
             }
@@ -99,8 +114,7 @@ impl Influences {
             if sum == 0.0 {
                 influences.push((sets[0].0[vertex][0], 1.0));
             } else {
-                influences
-                    .extend(all.filter(|(_, weight)| *weight != 0.0).map(|(joint, weight)| (joint, weight / sum)));
+                influences.extend(all.into_iter().map(|(joint, weight)| (joint, weight / sum)));
             }
             if let Some((joint, _)) = influences[first..].iter().find(|(joint, _)| *joint as usize >= skin.joints.len())
             {
@@ -109,12 +123,37 @@ impl Influences {
             }
             starts.push(influences.len() as u32);
         }
-        Ok(Some(Self { starts, influences }))
+        let mut read = Self { starts, influences };
+        read.share(stored);
+        Ok(Some(read))
+    }
+
+    /// Gives vertices at one place the weights of the first, where they differ by noise.
+    fn share(&mut self, stored: &[Point3<f64>]) {
+        let mut first_at: HashMap<[u64; 3], Vec<usize>> = HashMap::new();
+        for (vertex, position) in stored.iter().enumerate() {
+            // -0 is 0.
+            let firsts = first_at.entry(std::array::from_fn(|k| (position[k] + 0.0).to_bits())).or_default();
+            let own = self.range(vertex);
+            match firsts.iter().map(|&first| self.range(first)).find(|first| self.differ_by_noise(first, &own)) {
+                Some(first) => self.influences.copy_within(first, own.start),
+                None => firsts.push(vertex),
+            }
+        }
+    }
+
+    fn differ_by_noise(&self, a: &Range<usize>, b: &Range<usize>) -> bool {
+        let (a, b) = (&self.influences[a.clone()], &self.influences[b.clone()]);
+        a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.0 == b.0 && (a.1 - b.1).abs() <= WEIGHT_NOISE)
+    }
+
+    fn range(&self, vertex: usize) -> Range<usize> {
+        self.starts[vertex] as usize..self.starts[vertex + 1] as usize
     }
 
     /// The transform of a vertex: that of its joints, weighted.
     pub fn blend(&self, vertex: usize, joints: &[Matrix3x4<f64>]) -> Matrix3x4<f64> {
-        let influences = &self.influences[self.starts[vertex] as usize..self.starts[vertex + 1] as usize];
+        let influences = &self.influences[self.range(vertex)];
         // One joint alone moves a vertex exactly, without a sum.
         if let [(joint, weight)] = influences
             && *weight == 1.0
