@@ -4,11 +4,15 @@ mod support;
 
 use std::path::Path;
 
-use mimesh_core::{mesh::Part, stage::Format, testkit::data::data};
+use mimesh_core::{
+    mesh::Part,
+    stage::{Format, Selection},
+    testkit::data::{data, input},
+};
 use mimesh_formats::Obj;
 use nalgebra::{Point3, Rotation3, Vector3};
 use proptest::prelude::*;
-use support::{distance, grid, message, read, twisted, write};
+use support::{distance, grid, message, read, read_file, twisted, write};
 
 const CUBE_CORNER: &str = "\
 # a corner\r\nmtllib none.mtl\r\no Corner\r\n\
@@ -114,7 +118,7 @@ fn materials_come_from_the_library_beside_the_file() {
         .unwrap();
     let path = folder.path().join("a.obj");
     std::fs::write(&path, "mtllib my colours.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\n").unwrap();
-    let sequence = Obj::default().read(&path).unwrap();
+    let sequence = read_file(&Obj::default(), &path);
     assert_eq!(sequence.warnings, Vec::<String>::new());
     assert_eq!(sequence.rest.materials.len(), 1);
     assert_eq!(sequence.rest.materials[0].base_color, [1.0, 0.5, 0.0, 0.25]);
@@ -177,7 +181,7 @@ fn a_pose_must_have_the_vertices_and_polygons_of_the_rest_mesh() {
     let path = folder.path().join("pose.obj");
     let pose = |text: &str| {
         std::fs::write(&path, text).unwrap();
-        Obj::default().read_pose(&path, &rest)
+        Obj::default().read_pose(&input(&path), &Selection::default(), &rest)
     };
     // Other attributes, materials and comments do not matter.
     let same = "vt 9 9\nv 5 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nusemtl x\nf 1/1 2/1 3/1\nf -3 -1 -2\n";
@@ -200,7 +204,7 @@ fn a_pose_must_have_the_vertices_and_polygons_of_the_rest_mesh() {
 fn a_face_with_quads_seams_and_materials_comes_back_with_only_its_vertices_changed() {
     let Some(path) = data("ict-facekit/generic_neutral_mesh.obj") else { return };
     let bytes = std::fs::read(&path).unwrap();
-    let mesh = Obj::default().read(&path).unwrap().rest;
+    let mesh = read_file(&Obj::default(), &path).rest;
     assert_eq!((mesh.positions.len(), mesh.polygons.len()), (26719, 26384));
     assert!(write(&Obj::default(), &mesh, &mesh.positions) == bytes);
 
@@ -227,7 +231,7 @@ fn real_poses_are_read_as_by_tobj() {
         "cragl-mit-wolf/wolf.obj",
     ];
     for path in files.into_iter().filter_map(data) {
-        let mesh = Obj::default().read(&path).unwrap().rest;
+        let mesh = read_file(&Obj::default(), &path).rest;
         let ours = mesh.polygons.corners().iter().map(|&v| mesh.positions[v as usize]).collect::<Vec<_>>();
         assert!(ours == corners_by_tobj(&path), "{} differs", path.display());
     }
@@ -250,7 +254,7 @@ fn a_posed_horse_has_normals_close_to_those_of_the_true_pose() {
     else {
         return;
     };
-    let (rest, pose) = (Obj::default().read(&rest).unwrap().rest, Obj::default().read(&pose).unwrap().rest);
+    let (rest, pose) = (read_file(&Obj::default(), &rest).rest, read_file(&Obj::default(), &pose).rest);
     let back = read(&Obj::default(), "a.obj", &write(&Obj::default(), &rest, &pose.positions)).unwrap().rest;
     assert!(distance(&back.positions, &pose.positions) <= 8.7e-10 * rest.diagonal());
     let angles = back.normals.unwrap().values.into_iter().zip(pose.normals.unwrap().values).map(|(ours, theirs)| {

@@ -10,7 +10,7 @@ use mimesh_core::{
 use mimesh_formats::{Encoding, Ply, Precision, Stl};
 use nalgebra::{Point3, Vector3};
 use proptest::prelude::*;
-use support::{distance, grid, message, read, twisted, write};
+use support::{distance, grid, message, read, read_file, twisted, write};
 
 const ENCODINGS: [Encoding; 3] = [Encoding::Ascii, Encoding::BinaryLittleEndian, Encoding::BinaryBigEndian];
 
@@ -73,7 +73,7 @@ fn seams_have_no_place_in_a_ply() {
 #[test]
 fn a_real_ply_is_read_and_written_back_bit_for_bit() {
     let Some(path) = data("pebble-camel/truth-camel-01.ply") else { return };
-    let mesh = Ply::default().read(&path).unwrap().rest;
+    let mesh = read_file(&Ply::default(), &path).rest;
     assert_eq!((mesh.positions.len(), mesh.polygons.len()), (51000, 99000));
     let body = |bytes: &[u8]| {
         let end = b"end_header\n";

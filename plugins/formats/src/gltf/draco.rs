@@ -10,8 +10,8 @@ use gltf::json::{
 use serde_json::Value;
 
 use super::{
-    accessor::view_bytes,
     asset::{Asset, follow, size},
+    views::view_bytes,
 };
 
 /// The name of the extension.

@@ -39,6 +39,7 @@ mod skin;
 mod tests;
 mod tolerant;
 mod uri;
+mod views;
 mod writer;
 mod written_materials;
 

@@ -46,10 +46,11 @@ fn without_bare_words(text: &str) -> String {
 
 /// The form of a value that the readers need.
 enum Form {
-    /// A whole number from 0.
+    /// A whole number from 0; negative ones stand for none in some files.
     Number,
-    /// A whole number or no such entry: negative ones stand for none in some files.
+    /// A string; some files have a number.
     Text,
+    /// True or false.
     Truth,
     /// A list of whole numbers.
     Numbers,
@@ -149,8 +150,8 @@ pub struct Reduced {
 pub fn reduce(json: &Value) -> Reduced {
     let mut reduced = object(json, ROOT);
     let asset = reduced.entry("asset").or_insert_with(|| json!({}));
-    if asset.get("version").is_none() {
-        asset["version"] = "".into();
+    if let Some(asset) = asset.as_object_mut() {
+        asset.entry("version").or_insert_with(|| "".into());
     }
     let pointing = drop_pointers(&mut reduced);
     fill(&mut reduced, "animations", &[("channels", json!([])), ("samplers", json!([]))]);

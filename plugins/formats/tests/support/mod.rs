@@ -1,19 +1,21 @@
 //! What the tests of several formats share.
 #![allow(dead_code, reason = "every test file takes what it needs")]
 
+pub mod gltf;
+
+use std::path::Path;
+
 use mimesh_core::{
     Error,
     mesh::{Mesh, MeshSequence},
-    stage::{Format, MeshWriter},
+    stage::{BytesInput, Format, MeshWriter, Selection},
+    testkit::data::input,
 };
 use nalgebra::{Point3, Rotation3, Vector3};
 
 /// Reads `bytes` as a file called `name`.
 pub fn read(format: &dyn Format, name: &str, bytes: &[u8]) -> Result<MeshSequence, Error> {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join(name);
-    std::fs::write(&path, bytes).unwrap();
-    format.read(&path)
+    format.read(&BytesInput::new(name, bytes), &Selection::default())
 }
 
 /// What `format` writes for `mesh` at `positions`.
@@ -23,7 +25,7 @@ pub fn write(format: &dyn Format, mesh: &Mesh, positions: &[Point3<f64>]) -> Vec
         MeshWriter::Pose(writer) => writer.write(mesh, positions, &mut out).unwrap(),
         MeshWriter::Sequence(format) => {
             let mut writer = format.start(mesh).unwrap();
-            writer.add("pose", positions).unwrap();
+            writer.add("pose", None, positions).unwrap();
             writer.finish(&mut out).unwrap();
         }
     }
@@ -44,6 +46,11 @@ pub fn twisted(positions: &[Point3<f64>]) -> Vec<Point3<f64>> {
     let diagonal = mimesh_core::mesh::diagonal(positions);
     let twist = |p: &Point3<f64>| Rotation3::from_axis_angle(&Vector3::y_axis(), 2.0 * p.y / diagonal) * p;
     positions.iter().map(|p| twist(p) + Vector3::new(0.1, -0.2, 0.3) * diagonal).collect()
+}
+
+/// Reads the file at `path` with those that it refers to.
+pub fn read_file(format: &dyn Format, path: &Path) -> MeshSequence {
+    format.read(&input(path), &Selection::default()).unwrap()
 }
 
 /// The largest distance between two lists of positions.
