@@ -9,7 +9,7 @@ use mimesh_core::{
     stage::{Format, MeshWriter, Selection},
     testkit::data::{data, input, missing},
 };
-use mimesh_formats::{Glb, Gltf, Obj};
+use mimesh_formats::{Glb, Gltf, Obj, PoseAnimation};
 use nalgebra::{Point3, Vector3};
 use proptest::prelude::*;
 use support::{distance, grid, read, read_file, twisted};
@@ -94,7 +94,9 @@ fn a_triangle_mesh_comes_back_with_its_order_and_its_poses() {
     // A vertex of no polygon keeps its place too.
     mesh.positions.insert(36, Point3::new(0.5, 0.5, 0.5));
     let poses = poses(&mesh);
-    for (format, name) in [(&Glb::default() as &dyn Format, "a.glb"), (&Gltf::default(), "a.gltf")] {
+    let animation = PoseAnimation::Play;
+    let (glb, gltf) = (Glb { animation, ..Glb::default() }, Gltf { animation, ..Gltf::default() });
+    for (format, name) in [(&glb as &dyn Format, "a.glb"), (&gltf, "a.gltf")] {
         let back = read(format, name, &write_all(format, &mesh, &poses)).unwrap();
         check(&mesh, &poses, &back);
         assert_eq!(back.rest.polygons, mesh.polygons);
@@ -132,6 +134,16 @@ fn without_poses_there_is_no_animation_and_equal_names_are_told_apart() {
     let twice = [("a", mesh.positions.clone()), ("a", mesh.positions.clone())];
     let back = read(&Glb::default(), "a.glb", &write_all(&Glb::default(), &mesh, &twice)).unwrap();
     assert_eq!(back.poses.iter().map(|pose| &pose.name[..]).collect::<Vec<_>>(), ["a", "a-1"]);
+}
+
+#[test]
+fn numbered_poses_are_played_and_named_ones_are_not() {
+    let mesh = grid(3);
+    let clips = |names: [&'static str; 2]| {
+        let poses = names.map(|name| (name, mesh.positions.clone()));
+        read(&Glb::default(), "a.glb", &write_all(&Glb::default(), &mesh, &poses)).unwrap().animations.len()
+    };
+    assert_eq!((clips(["horse-01", "horse-02"]), clips(["smile", "frown"])), (1, 0));
 }
 
 #[test]
@@ -204,7 +216,8 @@ fn the_khronos_validator_finds_nothing_to_say() {
     let mesh = furnished();
     // Far more poses than are keyed densely, so that the weights are sparse.
     let still: Vec<_> = (0..80).map(|_| ("still", mesh.positions.clone())).collect();
-    let all = [write_all(&Glb::default(), &mesh, &poses(&mesh)), write_all(&Glb::default(), &mesh, &still)];
+    let played = Glb { animation: PoseAnimation::Play, ..Glb::default() };
+    let all = [write_all(&played, &mesh, &poses(&mesh)), write_all(&played, &mesh, &still)];
     let plain = write_all(&Glb { pose_normals: false, ..Glb::default() }, &grid(4), &poses(&grid(4)));
     let empty = write_all(&Glb::default(), &grid(2), &[]);
     for bytes in all.iter().chain([&plain, &empty]) {

@@ -2,7 +2,7 @@
 
 use std::io;
 
-use serde_json::{Value, json};
+use serde_json::Value;
 
 use super::{
     buffers::remove_extension,
@@ -82,6 +82,8 @@ fn aligned(bytes: &[u8], size: usize) -> (Vec<u8>, Option<usize>) {
 
 #[cfg(test)]
 mod tests {
+    use serde_json::json;
+
     use super::*;
 
     #[test]
