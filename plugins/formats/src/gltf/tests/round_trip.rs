@@ -49,6 +49,9 @@ fn poses_of_skinned_files_come_back_as_they_were_given() {
         // Rounding to f32 in the stored space, times the condition of the joints' transforms, which is small here.
         let error = distance(&mesh, &last.positions.get(), &posed);
         assert!(error < 1e-6, "{}: {error:e}", path.display());
+        if old.animations.is_empty() {
+            continue;
+        }
         // Every clip moves as before.
         let clips = PoseChoice::Clips(ClipChoice { times: ClipTimes::PerSecond(3.0), ..ClipChoice::default() });
         let clips = Selection { poses: clips, ..Selection::default() };
