@@ -1,6 +1,6 @@
 //! New morph targets in the JSON of meshes and nodes.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 
 use serde_json::{Value, json};
 
@@ -89,7 +89,8 @@ impl NewTargets<'_> {
             let first = nodes[..*index].iter().find(|earlier| earlier.mesh == shown.mesh);
             first.is_some_and(|first| !self.same(first, shown))
         });
-        let copied: Vec<_> = copied.map(|(_, shown)| quoted(shown)).collect();
+        let copied: BTreeSet<_> = copied.map(|(_, shown)| quoted(shown)).collect();
+        let copied: Vec<_> = copied.into_iter().collect();
         let extras = |shown: &Shown| list(json, "meshes")[shown.mesh].get("extras");
         let taken = nodes.iter().filter(|shown| extras(shown).is_some_and(|e| !e.is_null() && !e.is_object()));
         let taken: Vec<_> = taken.map(quoted).collect();

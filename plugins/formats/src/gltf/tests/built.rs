@@ -82,7 +82,8 @@ fn nodes_that_show_one_mesh_share_it_where_they_move_alike() {
     ];
     let mut found = differences(&parts(&before).0, &parts(&after).0);
     let mut wanted = expected.map(str::to_owned).to_vec();
-    (found.sort(), wanted.sort());
+    found.sort();
+    wanted.sort();
     assert_eq!(found, wanted);
     let found: Vec<_> = shapes(&after).iter().flat_map(|shape| shape.with(shape.targets.len() - 1)).collect();
     assert_eq!(found, posed);
