@@ -163,3 +163,23 @@ fn names_that_other_systems_refuse_are_found() {
     let found = diagnostics(&project, &[]);
     assert!(found[0].contains("more than the 255 of file systems"), "{found:?}");
 }
+
+#[test]
+fn a_target_that_rests_in_a_morph_target_gets_shapes_that_stand_alone() {
+    let project = arm(CLIP);
+    project.mimesh(&["run", "p.yaml"]);
+    // The first result rests bent by its own morph target, and takes the clip from there.
+    std::fs::rename(project.path("out/arm.glb"), project.path("bent.glb")).expect("a move");
+    let rest = "source: { rest: { file: arm.gltf, clip: Bend, time: 1 }, poses: { clip: Bend, fps: 4 } }";
+    project.edit("source: { rest: arm.gltf, poses: { clip: Bend, fps: 4 } }", rest);
+    project.edit("target: { rest: arm.gltf }", "target: { rest: { file: bent.glb, pose: Bend-04 } }");
+    let output = project.mimesh(&["run", "p.yaml"]);
+    assert!([0, 3].contains(&output.status), "{}", output.stderr);
+    let targets = json_of_glb(&project.bytes("out/arm.glb"))["meshes"][0]["extras"]["targetNames"].clone();
+    assert_eq!((targets[6].as_str(), targets.as_array().map(Vec::len)), (Some("Bend-01-2"), Some(10)), "{targets}");
+    let shown = "source: { rest: out/arm.glb }\ntarget: { rest: arm.gltf }\ncorrespondence: { type: identity }\n\
+                 transfer: { type: gradient }\noutput: 'again/{pose}.obj'\n";
+    project.write("p.yaml", shown);
+    project.mimesh(&["run", "p.yaml"]);
+    assert_bent(&vertices(&project.read("again/Bend-01-2.obj")), 22.5);
+}

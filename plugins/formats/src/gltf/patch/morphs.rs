@@ -40,7 +40,7 @@ impl Morphs {
     pub fn new(document: &GltfDocument, mesh: &Mesh, pose_normals: bool) -> Self {
         let normals = pose_normals.then(|| (PosedNormals::new(mesh, &mesh.positions), CornersAt::new(mesh)));
         let of_places = normals.as_ref().map(|(normals, corners)| (normals, corners));
-        let places = document.placements.iter().map(|placement| Place::new(document, placement, of_places));
+        let places = document.placements.iter().map(|placement| Place::new(document, placement, mesh, of_places));
         let places: Vec<_> = places.collect();
         Self {
             targets: vec![Vec::new(); places.len()],
@@ -70,7 +70,7 @@ impl Morphs {
         for (index, placement) in document.placements.iter().enumerate() {
             let range = placement.vertices.clone();
             let place = &mut self.places[index];
-            let moves = place.displacements(&mesh.positions[range.clone()], &positions[range]);
+            let moves = place.displacements(&positions[range]);
             let twin = document.placements[..index].iter().zip(&all_moves).position(|(other, other_moves)| {
                 (other.mesh, &other.primitives) == (placement.mesh, &placement.primitives)
                     && equal_in_file(&moves, other_moves, placement)

@@ -17,6 +17,8 @@ const MAX_CONDITION: f64 = 1e6;
 pub struct Place {
     /// From scene to stored mesh, without translations; `None` where there is no way back.
     stored_from_scene: Linear,
+    /// Where the file shows the vertices with all morph targets at 0, in the scene.
+    at_zero: Vec<Point3<f64>>,
     /// The normals of each accessor that the primitives have.
     pub normals: Vec<StoredNormals>,
     /// One a primitive: its entry in `normals`.
@@ -51,14 +53,20 @@ pub struct StoredNormals {
 }
 
 impl Place {
-    /// Inverts the transforms of `placement`; with `normals` of its mesh, also finds how the stored ones turn.
-    pub fn new(document: &GltfDocument, placement: &Placement, normals: Option<(&PosedNormals, &CornersAt)>) -> Self {
+    /// Inverts the transforms of `placement` in `mesh`; with `normals` of its mesh, also finds how the stored ones turn.
+    pub fn new(
+        document: &GltfDocument,
+        placement: &Placement,
+        mesh: &Mesh,
+        normals: Option<(&PosedNormals, &CornersAt)>,
+    ) -> Self {
         let stored_from_scene = match &placement.scene_from_stored {
             Transforms::Uniform(matrix) => Linear::Uniform(inverse(matrix)),
             Transforms::Skinned(matrices) => Linear::Skinned(matrices.iter().map(inverse).collect()),
         };
         let mut place = Self {
             stored_from_scene,
+            at_zero: at_zero(placement, &mesh.positions[placement.vertices.clone()]),
             normals: Vec::new(),
             normals_of: vec![None; placement.primitives.len()],
             stuck: vec![false; placement.vertices.len()],
@@ -85,10 +93,11 @@ impl Place {
         place
     }
 
-    /// The displacements in the stored space that move the vertices from `rest` to `posed` in the scene.
+    /// The displacements in the stored space that move the vertices to `posed` in the scene.
     ///
+    /// They start where all other morph targets are at 0, even if the mesh rests in one of them: shown alone, a target gives its pose.
     /// A vertex that stays has exactly 0; so has one without a way back, which is noted in [`stuck`](Self::stuck).
-    pub fn displacements(&mut self, rest: &[Point3<f64>], posed: &[Point3<f64>]) -> Vec<[f32; 3]> {
+    pub fn displacements(&mut self, posed: &[Point3<f64>]) -> Vec<[f32; 3]> {
         let displacement = |(vertex, (from, to)): (usize, (&Point3<f64>, &Point3<f64>))| {
             if from == to {
                 return [0.0; 3];
@@ -102,7 +111,7 @@ impl Place {
                 }
             }
         };
-        rest.iter().zip(posed).enumerate().map(displacement).collect()
+        self.at_zero.iter().zip(posed).enumerate().map(displacement).collect()
     }
 
     /// The differences from the stored `normals` to those that turn as the groups do, from `rest` to `posed`.
@@ -145,6 +154,17 @@ impl StoredNormals {
         let group_of = group_of.collect();
         Self { stored, group_of }
     }
+}
+
+/// Where the vertices of `placement` are in the scene with all morph targets at 0; exactly at `rest` where that is no morph target.
+fn at_zero(placement: &Placement, rest: &[Point3<f64>]) -> Vec<Point3<f64>> {
+    let extent = rest.iter().map(|p| p.coords.amax()).fold(0.0, f64::max);
+    let place = |(vertex, (stored, rest)): (usize, (&Point3<f64>, &Point3<f64>))| {
+        let stored = transform(&placement.scene_from_stored, vertex).transform_point(stored);
+        // Rounding errors of the two ways to the scene are far smaller, displacements in f32 larger.
+        if (stored - rest).norm() <= 1e-9 * extent { *rest } else { stored }
+    };
+    placement.stored.iter().zip(rest).enumerate().map(place).collect()
 }
 
 /// The corners at each vertex of a mesh.
