@@ -175,7 +175,7 @@ impl Bound {
     ) -> (Problem<'a>, Directions) {
         let similarity = &self.placement.alignment.target_from_source;
         let gaps = &self.gaps.gaps;
-        let deformations = self.gaps.deformations(self.gaps_keep, field);
+        let deformations = self.gaps.deformations(self.gaps_keep, field, self.field.source(), posed, similarity);
         let vector = |(gap, f): (&Gap, &Deformation)| {
             let known = gap.vector(self.gaps_keep, self.field.source(), posed, f, similarity);
             match prior {

@@ -13,12 +13,15 @@ use nalgebra::{Matrix3, Point3, Vector3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::joints::{Joint, Offsets, on_target};
+
 /// The property that a gap between two components keeps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Gaps {
-    /// It does what the gap between the two source points does: t = F e + s R ((ũᵢ − ũⱼ) − (F_s (uᵢ − uⱼ))), so that teeth
-    /// part when the jaw opens. Its length where an end has no source point.
+    /// It does what the gap between the two source points does, about a joint that lies where the target's proportions have it, so
+    /// that teeth part when the jaw opens: t = s R (ũᵢ − ũⱼ) + Fᵢ (cᵢ − c) − Fⱼ (cⱼ − c), with the offset cᵢ = xᵢ − s R uᵢ, and c at the joint.
+    /// Its length where an end has no source point.
     #[default]
     Follow,
     /// It turns and stretches with the deformation of both ends: t = F e. Its length where an end has none.
@@ -37,6 +40,8 @@ pub struct AllGaps {
     pub gaps: Vec<Gap>,
     /// The gaps of each link.
     links: Vec<Range<usize>>,
+    /// The joint of each link where that is known.
+    joints: Vec<Option<Joint>>,
     /// For each vertex at an end the triangles whose deformation turns the gap.
     rings: Vec<Vec<u32>>,
 }
@@ -52,31 +57,41 @@ pub struct Gap {
     /// The ends among the rings, and the share of the second in the mean deformation.
     rings: [u32; 2],
     share: f64,
-    /// Source points of the ends, and uᵢ − uⱼ between them at rest.
-    source: Option<([SurfacePoint; 2], Vector3<f64>)>,
+    /// Where both ends have source points.
+    source: Option<Ends>,
     /// Whether both ends belong to components that correspond.
     known: bool,
 }
 
-/// How the ends of a gap have deformed in the mean.
+/// The source points of both ends of a gap.
+#[derive(Clone, Copy, Debug)]
+struct Ends {
+    points: [SurfacePoint; 2],
+    /// s R u at rest.
+    at: [Vector3<f64>; 2],
+    /// c = x − s R u at rest.
+    offsets: [Vector3<f64>; 2],
+}
+
+/// How the ends of a gap have deformed.
 #[derive(Clone, Copy, Debug)]
 pub struct Deformation {
     /// With rotations apart, so that nothing shrinks where the ends turn apart.
     pub turned: Matrix3<f64>,
-    /// The mean of the gradients.
-    pub mean: Matrix3<f64>,
+    /// What the gap differs by from the source's, for gaps that follow it.
+    difference: Option<Vector3<f64>>,
 }
 
 impl Deformation {
     fn of_one(f: Matrix3<f64>) -> Self {
-        Self { turned: f, mean: f }
+        Self { turned: f, difference: None }
     }
 }
 
 impl AllGaps {
     /// No gaps.
     pub fn none() -> Self {
-        Self { gaps: vec![], links: vec![], rings: vec![] }
+        Self { gaps: vec![], links: vec![], joints: vec![], rings: vec![] }
     }
 
     /// The gaps of all links; `is_orphan` says which triangles correspond to nothing.
@@ -89,12 +104,15 @@ impl AllGaps {
         map: &TriangleMap,
         weight: f64,
         is_orphan: impl Fn(usize) -> bool,
+        target_from_source: &Similarity,
     ) -> Result<Self> {
         let Some(graph) = pair.proximity else { return Ok(Self::none()) };
         let (source, target) = (pair.source, pair.target);
         let knowledge = Knowledge::new(pair, map, is_orphan, &graph.components)?;
-        let at = |p: SurfacePoint| p.position(source, &source.positions);
-        let (mut gaps, mut links, mut rings) = (Vec::new(), Vec::new(), Vec::new());
+        let at = |p: SurfacePoint| on_target(target_from_source, &p.position(source, &source.positions));
+        let point = |v| knowledge.point(v).filter(|_| knowledge.knows(v));
+        let offsets = Offsets::new(pair, &graph.components, point, target_from_source);
+        let (mut gaps, mut links, mut joints, mut rings) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         let mut ring_of = HashMap::new();
         for link in graph.links() {
             let first = gaps.len();
@@ -116,51 +134,77 @@ impl AllGaps {
                     rest: target.positions[ends[0] as usize] - target.positions[ends[1] as usize],
                     rings: rings_of_gap,
                     share: counts[1] / (counts[0] + counts[1]).max(1.0),
-                    source: points.map(|(a, b)| ([a, b], at(a) - at(b))),
+                    source: points.map(|(a, b)| {
+                        let on_source = [a, b].map(at);
+                        let offsets = [0, 1].map(|k| target.positions[ends[k] as usize].coords - on_source[k]);
+                        Ends { points: [a, b], at: on_source, offsets }
+                    }),
                     known: told.iter().all(Option::is_some),
                 });
             }
+            let of_link: Vec<Ends> = gaps[first..].iter().filter_map(|gap: &Gap| gap.source).collect();
+            let joint = || {
+                let ends = [0, 1].map(|k| mean(of_link.iter().map(|ends| ends.at[k])));
+                let of_ends = mean(of_link.iter().flat_map(|ends| ends.offsets))?;
+                offsets.joint(link.components, [ends[0]?, ends[1]?], of_ends)
+            };
+            joints.push(joint());
             links.push(first..gaps.len());
         }
-        Ok(Self { gaps, links, rings })
+        Ok(Self { gaps, links, joints, rings })
     }
 
-    /// For each gap how its ends have deformed in the mean, when target triangles take the gradients of `field`.
+    /// For each gap how its ends have deformed, when target triangles take the gradients of `field` and the source is at `posed`.
     ///
     /// With R_a, R_b the rotations of the two sides of a link and R_s the one between them,
     /// `turned` is R_s ((1 − s) R_aᵀ F_a + s R_bᵀ F_b), so that gaps keep their length where the sides turn apart; a mean of F_a and F_b
     /// shrinks. Sides rather than single ends give the rotations, because the few triangles at an end may be noise.
-    pub fn deformations(&self, gaps: Gaps, field: &[Matrix3<f64>]) -> Vec<Deformation> {
+    pub fn deformations(
+        &self,
+        gaps: Gaps,
+        field: &[Matrix3<f64>],
+        source: &Surface,
+        posed: &[Point3<f64>],
+        target_from_source: &Similarity,
+    ) -> Vec<Deformation> {
         let of_ring = |ring: &Vec<u32>| {
             let sum: Matrix3<f64> = ring.iter().map(|&t| field[t as usize]).sum();
             (!ring.is_empty()).then(|| sum / ring.len() as f64)
         };
         let means: Vec<Option<Matrix3<f64>>> = self.rings.iter().map(of_ring).collect();
-        let of_link = |range: &Range<usize>| {
+        let of_link = |(range, joint): (&Range<usize>, &Option<Joint>)| {
             let of_link = &self.gaps[range.clone()];
             let turns = [0, 1].map(|side| {
                 let sum = of_link.iter().filter_map(|gap| means[gap.rings[side] as usize]).sum();
                 Turn { stretch: Matrix3::identity(), ..Turn::of(&sum) }
             });
-            let back = turns.map(|turn| turn.gradient().transpose());
-            let mean = |gap: &Gap| match gap.rings.map(|ring| means[ring as usize]) {
-                // Gaps that follow the source ask for the mean alone.
-                [Some(a), Some(b)] if gaps == Gaps::Follow && gap.known && gap.source.is_some() => {
-                    Deformation::of_one(a * (1.0 - gap.share) + b * gap.share)
-                }
+            let rotations = turns.map(|turn| turn.gradient());
+            let back = rotations.map(|rotation| rotation.transpose());
+            let offset = joint.filter(|_| gaps == Gaps::Follow).and_then(|joint| {
+                let ends = of_link.iter().filter_map(|gap| gap.source).map(|ends| ends.points);
+                let at = |p: SurfacePoint| on_target(target_from_source, &p.position(source, posed));
+                let means = [0, 1].map(|k| mean(ends.clone().map(|points| at(points[k]))));
+                Some(joint.offset(rotations, [means[0]?, means[1]?]))
+            });
+            let deformation = |gap: &Gap| match gap.rings.map(|ring| means[ring as usize]) {
                 [Some(a), Some(b)] => {
                     let between = turns[0].towards(&turns[1], gap.share).gradient();
-                    Deformation {
-                        turned: between * (back[0] * a * (1.0 - gap.share) + back[1] * b * gap.share),
-                        mean: a * (1.0 - gap.share) + b * gap.share,
-                    }
+                    let difference = gap.source.filter(|_| gap.known && gaps == Gaps::Follow).map(|ends| {
+                        let [c_a, c_b] = ends.offsets;
+                        match offset {
+                            Some(c) => a * (c_a - c) - b * (c_b - c),
+                            None => (a * (1.0 - gap.share) + b * gap.share) * (c_a - c_b),
+                        }
+                    });
+                    let turned = between * (back[0] * a * (1.0 - gap.share) + back[1] * b * gap.share);
+                    Deformation { turned, difference }
                 }
                 [Some(one), None] | [None, Some(one)] => Deformation::of_one(one),
                 [None, None] => Deformation::of_one(Matrix3::identity()),
             };
-            of_link.iter().map(mean).collect::<Vec<_>>()
+            of_link.iter().map(deformation).collect::<Vec<_>>()
         };
-        self.links.iter().flat_map(of_link).collect()
+        self.links.iter().zip(&self.joints).flat_map(of_link).collect()
     }
 }
 
@@ -179,8 +223,7 @@ impl Gap {
     /// The gap's vector when the source is at `posed` and its ends have deformed by `f`; `None` where only its length is known.
     ///
     /// With `follow`, F carries only what the gap differs by from the source's, e − s R (uᵢ − uⱼ), in which errors of the
-    /// correspondence are. The mean of the gradients lets it shrink where the ends turn apart: kept at its length, it makes the
-    /// links of a mannequin 5 % worse.
+    /// correspondence are.
     pub fn vector(
         &self,
         gaps: Gaps,
@@ -193,15 +236,23 @@ impl Gap {
             return None;
         }
         match (&self.source, gaps) {
-            (Some(([a, b], rest)), Gaps::Follow) => {
-                let to_target = target_from_source.rotation * target_from_source.scale;
-                let now = a.position(source, posed) - b.position(source, posed);
-                let difference = self.rest - to_target * rest;
-                Some(to_target * now + f.mean * difference)
+            (Some(Ends { points, offsets, .. }), Gaps::Follow) => {
+                let [a, b] = points.map(|p| on_target(target_from_source, &p.position(source, posed)));
+                Some(a - b + f.difference.unwrap_or_else(|| f.turned * (offsets[0] - offsets[1])))
             }
             _ => Some(f.turned * self.rest),
         }
     }
+}
+
+/// The mean of the points; `None` if there is none.
+fn mean(points: impl Iterator<Item = Vector3<f64>>) -> Option<Vector3<f64>> {
+    let (mut sum, mut count) = (Vector3::zeros(), 0.0);
+    points.for_each(|p| {
+        sum += p;
+        count += 1.0;
+    });
+    (count > 0.0).then(|| sum / count)
 }
 
 /// The knowledge about the target's vertices.

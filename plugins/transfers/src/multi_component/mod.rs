@@ -25,6 +25,7 @@
 mod bound;
 mod foot_contacts;
 mod gaps;
+mod joints;
 mod minimum;
 mod prior;
 mod rigid;
@@ -159,7 +160,7 @@ impl Transfer for MultiComponent {
         let gaps = if is_linear {
             AllGaps::none()
         } else {
-            AllGaps::new(pair, map, self.term_weights.gaps, |t| field.is_orphan(t))?
+            AllGaps::new(pair, map, self.term_weights.gaps, |t| field.is_orphan(t), &similarity)?
         };
 
         let components = target.components();
