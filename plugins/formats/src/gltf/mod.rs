@@ -1,47 +1,16 @@
 //! glTF 2.0, binary and text: rigged, morphing and animated meshes in, one file with all poses out.
 //!
-//! In: the meshes of the default scene, one after another, each where its node or its joints place it; morph targets by
-//! themselves or frames of clips are poses. The document model is that of `gltf-json`, after a tolerant pass over the JSON
-//! ([`tolerant`]). Numbers are read by [`accessor`], since the `gltf` crate reads quantised positions wrongly and panics on some
-//! damaged files.
-//! Out: for a mesh that was read from a glTF, that file with morph targets added ([`patch`]); for others a node an object, a
-//! primitive a material, vertices cut along seams, one morph target a pose ([`writer`]).
+//! In ([`read`]): the meshes of the default scene, one after another, each where its node or its joints place it; morph targets by
+//! themselves or frames of clips are poses. The document model is that of `gltf-json`. Numbers are decoded here, since the `gltf`
+//! crate reads quantised positions wrongly and panics on some damaged files.
+//! Out ([`write`]): for a mesh that was read from a glTF, that file with morph targets added; for others a node an object, a primitive a
+//! material, vertices cut along seams, one morph target a pose. [`document`] is what the two share.
 
-mod accessor;
-mod asset;
-mod attributes;
-mod binary;
-mod builder;
-mod clips;
-mod container;
 mod document;
-mod draco;
-mod evaluator;
-mod extensions;
-mod materials;
-mod meshopt;
-mod morphs;
-mod nodes;
-mod offset;
-mod options;
-mod output;
-mod patch;
-mod plan;
-mod pose_clips;
-mod poses;
-mod primitive;
-mod reader;
-mod sampler;
-mod scene;
-mod size;
-mod skin;
+mod read;
 #[cfg(test)]
 mod tests;
-mod tolerant;
-mod uri;
-mod views;
-mod writer;
-mod written_materials;
+mod write;
 
 use mimesh_core::{
     Result,
@@ -53,12 +22,10 @@ use mimesh_core::{
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-pub use options::{LengthUnit, PoseAnimation, UpAxis};
+pub use write::{LengthUnit, PoseAnimation, UpAxis};
 
-use asset::Asset;
-use options::Options;
-use patch::PatchWriter;
-use writer::Writer;
+use read::Asset;
+use write::{Options, size, start};
 
 register!(Format: Glb);
 register!(Format: Gltf);
@@ -139,7 +106,7 @@ impl Format for Glb {
     }
 
     fn read(&self, input: &dyn FileInput, selection: &Selection) -> Result<MeshSequence> {
-        reader::read(input, selection)
+        read::read(input, selection)
     }
 
     fn references(&self, input: &dyn FileInput) -> Vec<String> {
@@ -173,7 +140,7 @@ impl Format for Gltf {
     }
 
     fn read(&self, input: &dyn FileInput, selection: &Selection) -> Result<MeshSequence> {
-        reader::read(input, selection)
+        read::read(input, selection)
     }
 
     fn references(&self, input: &dyn FileInput) -> Vec<String> {
@@ -194,12 +161,4 @@ impl SequenceFormat for Gltf {
         check_ranges(self)?;
         start(self.options(), mesh)
     }
-}
-
-/// A file of `mesh`: a copy of the glTF from which it was read, or a new one.
-fn start(options: Options, mesh: &Mesh) -> Result<Box<dyn SequenceWriter>, WriteError> {
-    Ok(match PatchWriter::new(options, mesh)? {
-        Some(writer) => Box::new(writer),
-        None => Box::new(Writer::new(options, mesh)?),
-    })
 }

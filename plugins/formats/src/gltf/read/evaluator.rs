@@ -8,11 +8,11 @@ use nalgebra::{Matrix3x4, Matrix4, Point3, Vector3};
 use super::{
     asset::Asset,
     clips::Clip,
-    document::Transforms,
     morphs::Moves,
     nodes::{Local, MAX_NUMBER, Nodes, name},
     skin::{Influences, Skin},
 };
+use crate::gltf::document::Transforms;
 
 /// Vertices under one node that the same morph targets and joints move.
 #[derive(Debug)]

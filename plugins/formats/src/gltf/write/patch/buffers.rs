@@ -8,7 +8,7 @@ use super::{
     draco,
     stored::{list, number},
 };
-use crate::gltf::{binary::Binary, document::GltfDocument};
+use crate::gltf::{document::GltfDocument, write::binary::Binary};
 
 /// The extensions by which buffer views are compressed, for which `decompressed` of a document stands in.
 const COMPRESSIONS: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];

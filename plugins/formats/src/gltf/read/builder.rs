@@ -16,7 +16,6 @@ use super::{
     accessor::{count, numbers, whole},
     asset::{Asset, get},
     attributes::{Normals, Textures},
-    document::Transforms,
     evaluator::Run,
     materials,
     morphs::{self, Moves, Name, Shape},
@@ -24,6 +23,7 @@ use super::{
     scene::Placed,
     skin::{Influences, Skin},
 };
+use crate::gltf::document::Transforms;
 
 /// The triangles of a primitive under a node.
 #[derive(Debug)]

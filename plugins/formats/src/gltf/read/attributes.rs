@@ -9,8 +9,8 @@ use nalgebra::{Matrix3, Matrix4, Vector3};
 use super::{
     accessor::{self, numbers},
     asset::Asset,
-    document::Transforms,
 };
+use crate::gltf::document::Transforms;
 
 /// Texture coordinates, collected over all primitives; those of an accessor are there once.
 #[derive(Debug, Default)]

@@ -12,8 +12,8 @@ use super::{
 };
 use crate::{
     gltf::{
-        binary::Binary,
         document::{GltfDocument, Placement},
+        write::binary::Binary,
     },
     normals::PosedNormals,
 };

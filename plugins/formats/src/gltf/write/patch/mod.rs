@@ -24,7 +24,8 @@ use mimesh_core::{
 use nalgebra::Point3;
 use serde_json::Value;
 
-use super::{binary::Binary, document::GltfDocument, options::Options, output, pose_clips::PoseList};
+use super::{binary::Binary, options::Options, output, pose_clips::PoseList};
+use crate::gltf::document::GltfDocument;
 use layout::{Shown, describes, mesh_name, shown};
 use meshes::NewTargets;
 use morphs::Morphs;

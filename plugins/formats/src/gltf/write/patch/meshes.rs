@@ -9,7 +9,7 @@ use super::{
     names,
     stored::{list, number},
 };
-use crate::gltf::{binary::Binary, document::GltfDocument};
+use crate::gltf::{document::GltfDocument, write::binary::Binary};
 
 /// The accessors of a new morph target for the vertices of a placement.
 #[derive(Clone, Debug, PartialEq)]

@@ -10,13 +10,13 @@ use super::{
     asset::{Asset, DAMAGED, quoted},
     builder::{Builder, Piece, assemble},
     clips,
-    document::{GltfDocument, Placement, Transforms},
     evaluator::{Evaluator, Run},
     extensions, morphs,
     nodes::Nodes,
     poses::{self, NamedShape},
     scene::{self, Placed},
 };
+use crate::gltf::document::{GltfDocument, Placement, Transforms};
 
 /// The way out where a file has no part of a name.
 const CHOOSE: &str = "name a part that the file has; `mimesh inspect` lists meshes, morph targets and clips";

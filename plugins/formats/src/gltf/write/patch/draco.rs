@@ -9,7 +9,7 @@ use super::{
     layout::position,
     stored::{bounds, entry_size, list, number},
 };
-use crate::gltf::{binary::Binary, document::GltfDocument};
+use crate::gltf::{document::GltfDocument, write::binary::Binary};
 
 /// The extension by which primitives are compressed, for which `unpacked` of a document stands in.
 pub const NAME: &str = "KHR_draco_mesh_compression";

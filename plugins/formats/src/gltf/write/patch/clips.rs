@@ -9,7 +9,10 @@ use super::{
     names::unique,
     stored::{entries, list, number},
 };
-use crate::gltf::{binary::Binary, document::GltfDocument, pose_clips::PoseClip};
+use crate::gltf::{
+    document::GltfDocument,
+    write::{binary::Binary, pose_clips::PoseClip},
+};
 
 /// Makes the existing channels of weights as long as the meshes that they move have targets.
 ///

@@ -10,12 +10,12 @@ use serde_json::{Value, json};
 
 use super::{
     binary::Binary,
+    materials::Materials,
     offset::offset,
     options::Options,
     output,
     plan::{Object, Plan, Vertex},
     pose_clips::{PoseClip, PoseList},
-    written_materials::Materials,
 };
 
 /// A glTF in the making: the rest mesh is in it, poses are added.

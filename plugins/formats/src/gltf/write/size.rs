@@ -2,7 +2,8 @@
 
 use mimesh_core::{Result, mesh::Mesh};
 
-use super::{document::GltfDocument, options::Options, output::check_length, patch, plan::Plan};
+use super::{options::Options, output::check_length, patch, plan::Plan};
+use crate::gltf::document::GltfDocument;
 
 /// Checks that a GLB of `mesh` with `poses` poses in which every vertex moves goes into its 4 GiB, JSON not counted.
 ///

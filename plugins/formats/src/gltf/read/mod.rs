@@ -1,0 +1,33 @@
+//! glTF in: from bytes to a mesh with its poses.
+//!
+//! - [`container`], [`uri`], [`tolerant`], [`extensions`] and [`asset`]: the JSON, made readable for `gltf-json`, and the bytes;
+//! - [`meshopt`], [`draco`], [`views`] and [`accessor`]: numbers out of bytes;
+//! - [`nodes`], [`scene`], [`skin`], [`morphs`], [`sampler`] and [`clips`]: what places and moves vertices;
+//! - [`evaluator`] and [`poses`]: positions in any state of that;
+//! - [`primitive`], [`attributes`], [`materials`], [`builder`] and [`reader`]: the mesh.
+
+mod accessor;
+mod asset;
+mod attributes;
+mod builder;
+mod clips;
+mod container;
+mod draco;
+mod evaluator;
+mod extensions;
+mod materials;
+mod meshopt;
+mod morphs;
+mod nodes;
+mod poses;
+mod primitive;
+mod reader;
+mod sampler;
+mod scene;
+mod skin;
+mod tolerant;
+mod uri;
+mod views;
+
+pub use asset::Asset;
+pub use reader::read;
