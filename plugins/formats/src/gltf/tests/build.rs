@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 
 use crate::{
     Glb,
-    gltf::{binary::Binary, output},
+    gltf::write::{binary::Binary, output},
 };
 use mimesh_core::stage::Format;
 

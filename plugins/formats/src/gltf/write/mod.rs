@@ -1,10 +1,10 @@
 //! glTF out: the file that the mesh was read from with morph targets added ([`patch`]), or a new one ([`writer`]).
 
-mod binary;
+pub(super) mod binary;
 mod materials;
 mod offset;
 mod options;
-mod output;
+pub(super) mod output;
 mod patch;
 mod plan;
 mod pose_clips;
