@@ -116,7 +116,7 @@ error: p.yaml:9:39: no format can write .xyz files
    |
  9 | output: [out/all.obj, out/{pose}.glb, out/all.xyz]
    |                                       ^^^^^^^^^^^
-   = hint: formats that write: .glb, .gltf, .obj, .ply
+   = hint: formats that write: .glb, .vrm, .gltf, .obj, .ply
 9 mistakes
 ",
     );

@@ -64,7 +64,7 @@ fn a_pose_that_does_not_exist_and_a_wrong_key_are_reported_at_their_places() {
     assert!(output.stderr.contains("did you mean `rest`?"), "{}", output.stderr);
     assert!(one("source.rest={ file: leaning.obj, poses: rest }").contains("unknown"), "a key");
     assert!(one("source.rest={ pose: rest }").contains("file"), "the file is missing");
-    assert!(one("source.rest=3").contains("a path, or a mapping `{ file: …, pose: … }`"), "a number");
+    assert!(one("source.rest=3").contains("a path, or a mapping `{ file: …, meshes: […] }`"), "a number");
 }
 
 #[test]

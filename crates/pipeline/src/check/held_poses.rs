@@ -3,11 +3,10 @@
 use std::path::Path;
 
 use mimesh_core::stage::{ClipChoice, PoseChoice, Selection, check_pose};
-use mimesh_document::{At, path};
+use mimesh_document::{At, Step, path};
 
 use super::{
     findings::{Findings, Scope},
-    poses::is_readable,
     rest_meshes::in_file,
 };
 use crate::{
@@ -15,6 +14,20 @@ use crate::{
     pose_files::ClipPoses,
     text::some_of,
 };
+
+/// Whether the file of a pose, named at `at`, exists and has a format; else there is a diagnostic.
+pub(super) fn is_readable(scope: Scope<'_>, found: &mut Findings, file: &Path, at: &[Step]) -> bool {
+    if !found.input(scope, "pose", file, at) {
+        return false;
+    }
+    match scope.formats.reader(file) {
+        Ok(_) => true,
+        Err(unknown) => {
+            found.wrong(scope, at, At::Value, unknown.message, unknown.hint);
+            false
+        }
+    }
+}
 
 /// The poses that come with the rest mesh, from number `first` on.
 fn held_poses(mesh: &RestMesh, first: usize) -> Vec<PoseInput> {
@@ -81,12 +94,7 @@ pub(super) fn frames(scope: Scope<'_>, found: &mut Findings, mesh: &mut RestMesh
     let choice = PoseChoice::Clips(clips.choice());
     match hold(scope, mesh, &file, choice) {
         Ok((poses, _)) if poses.is_empty() => {
-            found.missing(
-                scope,
-                &at,
-                format!("{} holds no clips", file.display()),
-                "`mimesh inspect` lists what it holds",
-            );
+            found.missing(scope, &at, format!("{} holds no clips", file.display()), "name a file that holds some");
             vec![]
         }
         Ok((poses, _)) => poses,

@@ -14,7 +14,7 @@ use mimesh_document::{
 
 use super::{
     findings::{Findings, Scope},
-    held_poses::{check_times, frames, own_poses, poses_in},
+    held_poses::{check_times, frames, is_readable, own_poses, poses_in},
     rest_meshes::{at_file, in_file, rest_mesh},
     seams::{self, SeamCache},
 };
@@ -164,20 +164,6 @@ fn matching(
         }
     }
     readable
-}
-
-/// Whether the file of a pose, named at `at`, exists and has a format; else there is a diagnostic.
-pub(super) fn is_readable(scope: Scope<'_>, found: &mut Findings, file: &Path, at: &[Step]) -> bool {
-    if !found.input(scope, "pose", file, at) {
-        return false;
-    }
-    match scope.formats.reader(file) {
-        Ok(_) => true,
-        Err(unknown) => {
-            found.wrong(scope, at, At::Value, unknown.message, unknown.hint);
-            false
-        }
-    }
 }
 
 /// The poses under unique names: where wildcards stand for the same, poses are called like their files.

@@ -1,6 +1,6 @@
 //! glTF in: from bytes to a mesh with its poses.
 //!
-//! - [`container`], [`uri`], [`tolerant`], [`extensions`] and [`asset`]: the JSON, made readable for `gltf-json`, and the bytes;
+//! - [`container`], [`uri`], [`tolerant`], [`extensions`], [`asset`] and [`open`]: the JSON, made readable for `gltf-json`, and the bytes;
 //! - [`meshopt`], [`draco`], [`views`] and [`accessor`]: numbers out of bytes;
 //! - [`nodes`], [`scene`], [`skin`], [`morphs`], [`sampler`] and [`clips`]: what places and moves vertices;
 //! - [`evaluator`] and [`poses`]: positions in any state of that;
@@ -19,6 +19,7 @@ mod materials;
 mod meshopt;
 mod morphs;
 mod nodes;
+mod open;
 mod poses;
 mod primitive;
 mod reader;

@@ -2,10 +2,11 @@
 
 use std::io;
 
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 
 use super::{
     draco,
+    extension::{forget_extension, remove_extension},
     stored::{list, number},
 };
 use crate::gltf::{document::GltfDocument, write::binary::Binary};
@@ -126,25 +127,6 @@ fn decompress(
         warnings.push("compressed parts of the file are written uncompressed".into());
     }
     Ok(())
-}
-
-/// Takes an extension out of an object; the list of extensions too if none is left.
-pub fn remove_extension(object: &mut Map<String, Value>, name: &str) {
-    let Some(extensions) = object.get_mut("extensions").and_then(Value::as_object_mut) else { return };
-    if extensions.shift_remove(name).is_some() && extensions.is_empty() {
-        object.shift_remove("extensions");
-    }
-}
-
-/// Takes an extension out of the lists of those in use.
-fn forget_extension(root: &mut Map<String, Value>, name: &str) {
-    for key in ["extensionsUsed", "extensionsRequired"] {
-        let Some(names) = root.get_mut(key).and_then(Value::as_array_mut) else { continue };
-        names.retain(|other| other != name);
-        if names.is_empty() {
-            root.shift_remove(key);
-        }
-    }
 }
 
 /// Takes images that lay in files of their own into the buffer, so that the output works in any folder.

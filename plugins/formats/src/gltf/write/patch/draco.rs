@@ -5,7 +5,7 @@ use std::io;
 use serde_json::Value;
 
 use super::{
-    buffers::remove_extension,
+    extension::remove_extension,
     layout::position,
     stored::{bounds, entry_size, list, number},
 };

@@ -7,6 +7,7 @@
 mod buffers;
 mod clips;
 mod draco;
+mod extension;
 mod layout;
 mod meshes;
 mod morphs;

@@ -1,0 +1,162 @@
+//! Opening a glTF: its JSON, its buffers, and what is compressed in them.
+
+use gltf::json::Root;
+use mimesh_core::{Error, Result, stage::FileInput};
+
+use super::{
+    asset::{Asset, DAMAGED, quoted},
+    container::{Binary, MAX_PADDING, chunks},
+    draco, extensions, meshopt, tolerant, uri,
+};
+
+impl Asset {
+    /// Reads a `.glb` or `.gltf`, told apart by their first bytes, and the buffers it refers to.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Io`] for a file that cannot be read, [`Error::File`] for one that is damaged or not glTF 2.0.
+    pub fn read(input: &dyn FileInput) -> Result<Self> {
+        let path = input.path();
+        let damaged = |message: String| Error::file(path, message, DAMAGED);
+        let bytes = input.contents()?;
+        let chunks = chunks(&bytes).map_err(damaged)?;
+        let json = tolerant::parse(chunks.json);
+        let json = json.map_err(|problem| damaged(format!("not the JSON of a glTF: {problem}")))?;
+        let tolerant::Reduced { json: reduced, pointing } = tolerant::reduce(&json);
+        let version = reduced["asset"]["version"].as_str().unwrap_or_default();
+        if !version.starts_with('2') {
+            let message = format!("glTF version `{version}`: expected 2.0");
+            return Err(Error::file(path, message, "convert the file to glTF 2.0, for example through Blender"));
+        }
+        let root: Root = serde_path_to_error::deserialize(reduced)
+            .map_err(|problem| damaged(format!("not the JSON of a glTF: {}: {}", problem.path(), problem.inner())))?;
+        let mut asset = Self { root, json, ..Self::default() };
+        asset.warn_of_pointers(&pointing);
+        for index in 0..asset.root.buffers.len() {
+            let bytes = asset.load(input, index, chunks.binary)?;
+            asset.buffers.push(bytes);
+        }
+        asset.decompressed = meshopt::decompress(&asset).map_err(damaged)?;
+        Ok(asset)
+    }
+
+    /// The buffers in files of their own; none if the glTF cannot be read.
+    pub fn references(input: &dyn FileInput) -> Vec<String> {
+        let Ok(bytes) = input.contents() else { return Vec::new() };
+        let json = chunks(&bytes).and_then(|chunks| tolerant::parse(chunks.json)).unwrap_or_default();
+        let buffers = json["buffers"].as_array();
+        let uris = buffers.into_iter().flatten().filter_map(|buffer| buffer["uri"].as_str());
+        uris.filter(|uri| uri::is_file(uri)).map(|uri| uri::decoded(uri).into_owned()).collect()
+    }
+
+    /// The contents of the images in files of their own, by number; one that may not be read stays a reference.
+    pub fn read_images(&mut self, input: &dyn FileInput) -> Vec<(usize, Vec<u8>)> {
+        let images = self.json["images"].as_array();
+        let uris = images.into_iter().flatten().map(|image| image["uri"].as_str().filter(|uri| uri::is_file(uri)));
+        let (mut contents, mut unread) = (Vec::new(), Vec::new());
+        for (index, uri) in uris.enumerate() {
+            let Some(uri) = uri else { continue };
+            match input.referenced(&uri::decoded(uri)) {
+                Ok(bytes) => contents.push((index, bytes)),
+                Err(_) => unread.push(uri.to_owned()),
+            }
+        }
+        if !unread.is_empty() {
+            self.warnings.push(format!("images that cannot be read stay references: {}", quoted(&unread)));
+        }
+        contents
+    }
+
+    /// Decodes the compressed primitives of the meshes that `is_needed` chooses by number of mesh and of primitive.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::File`] that names the primitive and the extension without which it cannot be read.
+    pub fn unpack(&mut self, input: &dyn FileInput, is_needed: &dyn Fn(usize, usize) -> bool) -> Result<()> {
+        self.unpacked = draco::unpack(self, is_needed)
+            .map_err(|message| Error::file(input.path(), message, extensions::UNCOMPRESS))?;
+        extensions::check(self, is_needed).map_err(|(message, hint)| Error::file(input.path(), message, hint))
+    }
+
+    /// The bytes of buffer `index`.
+    fn load(&self, input: &dyn FileInput, index: usize, binary: Option<Binary>) -> Result<Vec<u8>> {
+        let path = input.path();
+        let buffer = &self.root.buffers[index];
+        let fail = |message: String| Error::file(path, format!("buffer {index} {message}"), DAMAGED);
+        let length = usize::try_from(buffer.byte_length.0).unwrap_or(usize::MAX);
+        let mut is_cut = false;
+        let mut bytes = match &buffer.uri {
+            None if index == 0 && binary.is_some() => {
+                let Binary { bytes, is_cut: cut } = binary.expect("the guard saw it");
+                is_cut = cut;
+                bytes.to_vec()
+            }
+            None if length == 0 || meshopt::is_fallback(&self.root, index) => return Ok(Vec::new()),
+            None => return Err(fail("has no data".into())),
+            Some(uri) if uri.contains("://") && !uri.starts_with("data:") => {
+                let hint = "download it, and name the file beside the glTF instead";
+                return Err(Error::file(path, format!("buffer {index} lies at {uri}"), hint));
+            }
+            Some(uri) => match uri::data(uri) {
+                Some(data) => data.map_err(fail)?,
+                None => input.referenced(&uri::decoded(uri))?,
+            },
+        };
+        // Whether all numbers are there is checked where they are read.
+        let lacks_padding = !is_cut && length - length.min(bytes.len()) <= MAX_PADDING;
+        if bytes.len() < length && !lacks_padding {
+            return Err(fail(format!("is cut short: expected {length} bytes, found {}", bytes.len())));
+        }
+        // A length that is left out in the JSON is 0 in the model.
+        if length > 0 {
+            bytes.truncate(length);
+        }
+        Ok(bytes)
+    }
+
+    fn warn_of_pointers(&mut self, pointing: &[usize]) {
+        if pointing.is_empty() {
+            return;
+        }
+        let name = |&index: &usize| self.root.animations[index].name.clone().unwrap_or_else(|| index.to_string());
+        let names: Vec<_> = pointing.iter().map(name).collect();
+        self.warnings.push(format!("animation channels that move no node were left out: {}", quoted(&names)));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use mimesh_core::stage::BytesInput;
+
+    use super::*;
+
+    #[test]
+    fn a_gltf_refers_to_its_buffers_in_other_files() {
+        let uris = ["a%20b.bin", "data:application/octet-stream;base64,AAAA", "https://example.org/c.bin", "d.bin"];
+        let buffers = uris.map(|uri| format!(r#"{{ "uri": "{uri}", "byteLength": 3 }}"#)).join(", ");
+        let json = format!(r#"{{ "asset": {{ "version": "2.0" }}, "buffers": [{buffers}] }}"#);
+        assert_eq!(Asset::references(&BytesInput::new("m.gltf", json)), ["a b.bin", "d.bin"]);
+        assert_eq!(Asset::references(&BytesInput::new("damaged.gltf", "{")), [""; 0]);
+    }
+
+    #[test]
+    fn a_buffer_may_lack_its_padding_and_nothing_else() {
+        let read = |length: usize| {
+            let json = format!(
+                r#"{{ "asset": {{ "version": "2" }}, "buffers": [{{ "byteLength": {length}, "uri": "data:;base64,AAEC" }}] }}"#
+            );
+            Asset::read(&BytesInput::new("m.gltf", json)).map(|asset| asset.buffers)
+        };
+        assert_eq!(read(2).unwrap(), [[0, 1]]);
+        assert_eq!(read(6).unwrap(), [[0, 1, 2]]);
+        assert_eq!(read(7).unwrap_err().to_string(), "m.gltf: buffer 0 is cut short: expected 7 bytes, found 3");
+    }
+
+    #[test]
+    fn a_wrong_kind_of_value_is_named_with_its_path() {
+        let json = r#"{ "asset": { "version": "2.0" }, "meshes": [{ "primitives": [{ "indices": "first" }] }] }"#;
+        let error = Asset::read(&BytesInput::new("m.gltf", json)).unwrap_err().to_string();
+        let expected = "m.gltf: not the JSON of a glTF: meshes[0].primitives[0].indices: ";
+        assert!(error.starts_with(expected), "{error}");
+    }
+}
