@@ -17,8 +17,8 @@
 //! preconditioner (minimum.rs).
 //!
 //! Departures: triangles count by area (A), so that all terms are squared lengths and weights mean the same at any size and
-//! density (`term_weights.areas: false` for the paper); E2 asks for the differences F_t − F_u that a continuation of rotations has,
-//! because equal gradients collapse what is twisted (`continuation: gradients` for the paper); E2 of orphans next to triangles that correspond uses those triangles' F̂, which is known; gaps follow the source where
+//! density (`term_weights.areas: false` for the paper); E2 asks for gradients that are equal relative to a blend of the shores'
+//! rigid motions, because equal gradients collapse what is twisted (`continuation: gradients` for the paper); E2 of orphans next to triangles that correspond uses those triangles' F̂, which is known; gaps follow the source where
 //! both ends correspond, because the paper's lengths fight intended relative motion; components can be rigid, and orphans are
 //! unless asked otherwise.
 

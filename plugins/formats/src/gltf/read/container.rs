@@ -7,6 +7,8 @@ pub struct Chunks<'b> {
     pub json: &'b [u8],
     /// The first buffer.
     pub binary: Option<Binary<'b>>,
+    /// The number of chunks of other kinds.
+    pub others: usize,
 }
 
 /// A chunk of bytes.
@@ -30,7 +32,7 @@ pub const MAX_PADDING: usize = 3;
 /// Names the byte at which the file ends, or what it lacks.
 pub fn chunks(bytes: &[u8]) -> Result<Chunks<'_>, String> {
     if !bytes.starts_with(b"glTF") {
-        return Ok(Chunks { json: bytes, binary: None });
+        return Ok(Chunks { json: bytes, binary: None, others: 0 });
     }
     let number = |at: usize| -> Result<usize, String> {
         let field = bytes.get(at..at + 4).ok_or_else(|| format!("GLB ends at byte {}", bytes.len()))?;
@@ -42,7 +44,7 @@ pub fn chunks(bytes: &[u8]) -> Result<Chunks<'_>, String> {
     }
     let length = number(8)?;
     let mut at = 12;
-    let (mut json, mut binary) = (None, None);
+    let (mut json, mut binary, mut others) = (None, None, 0);
     while at + 8 <= bytes.len() {
         let (size, kind) = (number(at)?, &bytes[at + 4..at + 8]);
         let rest = &bytes[at + 8..];
@@ -59,7 +61,7 @@ pub fn chunks(bytes: &[u8]) -> Result<Chunks<'_>, String> {
         match kind {
             b"JSON" if json.is_none() => json = Some(chunk),
             _ if is_binary && binary.is_none() => binary = Some(Binary { bytes: chunk, is_cut }),
-            _ => {}
+            _ => others += 1,
         }
         at += 8 + size;
         // What follows the length of the header belongs to no chunk.
@@ -74,7 +76,7 @@ pub fn chunks(bytes: &[u8]) -> Result<Chunks<'_>, String> {
             "GLB without a JSON chunk".into()
         }
     })?;
-    Ok(Chunks { json, binary })
+    Ok(Chunks { json, binary, others })
 }
 
 #[cfg(test)]
@@ -100,7 +102,7 @@ mod tests {
     #[test]
     fn lengths_may_count_padding_that_is_not_there() {
         let glb = b"glTF\x02\0\0\0\xff\0\0\0\x02\0\0\0JSON{}\x04\0\0\0BIN\0\x07";
-        let Chunks { json, binary } = chunks(glb).unwrap();
+        let Chunks { json, binary, .. } = chunks(glb).unwrap();
         let binary = binary.unwrap();
         assert_eq!((json, binary.bytes, binary.is_cut), (&b"{}"[..], &[7][..], true));
         let cut = b"glTF\x02\0\0\0\xff\0\0\0\x02\0\0\0JSON{}\x05\0\0\0BIN\0\x07";

@@ -32,6 +32,11 @@ impl Asset {
             .map_err(|problem| damaged(format!("not the JSON of a glTF: {}: {}", problem.path(), problem.inner())))?;
         let mut asset = Self { root, json, ..Self::default() };
         asset.warn_of_pointers(&pointing);
+        if chunks.others > 0 {
+            asset
+                .warnings
+                .push(format!("chunks of the GLB that are neither JSON nor BIN are left out: {}", chunks.others));
+        }
         for index in 0..asset.root.buffers.len() {
             let bytes = asset.load(input, index, chunks.binary)?;
             asset.buffers.push(bytes);
@@ -158,5 +163,16 @@ mod tests {
         let error = Asset::read(&BytesInput::new("m.gltf", json)).unwrap_err().to_string();
         let expected = "m.gltf: not the JSON of a glTF: meshes[0].primitives[0].indices: ";
         assert!(error.starts_with(expected), "{error}");
+    }
+
+    #[test]
+    fn chunks_of_other_kinds_are_left_out_and_told() {
+        let json = br#"{ "asset": { "version": "2.0" } }   "#;
+        let chunk = |kind: &[u8], data: &[u8]| [&(data.len() as u32).to_le_bytes(), kind, data].concat();
+        let chunks = [chunk(b"JSON", json), chunk(b"KEPT", &[1, 2, 3, 4])].concat();
+        let length = (12 + chunks.len()) as u32;
+        let glb = [&b"glTF\x02\0\0\0"[..], &length.to_le_bytes(), &chunks].concat();
+        let asset = Asset::read(&BytesInput::new("m.glb", glb)).unwrap();
+        assert_eq!(asset.warnings, ["chunks of the GLB that are neither JSON nor BIN are left out: 1"]);
     }
 }
