@@ -217,7 +217,7 @@ mod tests {
             diagnostics(text),
             [
                 "p.yaml:1:1: unknown key `sorce`",
-                "p.yaml:3:9: `rest`: expected a path, or a mapping `{ file: …, pose: … }`, found 7",
+                "p.yaml:3:9: `rest`: expected a path, or a mapping `{ file: …, meshes: […] }`, found 7",
                 "p.yaml:4:3: unknown key `pose`",
                 "p.yaml:5:9: `target`: expected a mapping of keys, found a sequence",
                 "p.yaml:6:25: unknown correspondence `test_corespondence`",
