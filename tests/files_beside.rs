@@ -90,3 +90,24 @@ fn an_image_or_material_library_elsewhere_is_left_alone_with_one_warning() {
     let output = project.mimesh(&["inspect", "p/m/box.obj", "--root", "other"]);
     assert_eq!(output.stdout.matches("is not opened").count(), 0, "{}", output.stdout);
 }
+
+#[test]
+fn the_files_of_truths_and_poses_are_not_even_hashed_out_of_reach() {
+    for uri in ["/dev/zero", "/etc/passwd"] {
+        let project = project("arm.bin");
+        fs::rename(project.path("other/arm.bin"), project.path("p/m/arm.bin")).unwrap();
+        let text = fs::read_to_string(project.path("p/m/arm.gltf")).unwrap().replace("arm.bin", uri);
+        fs::write(project.path("p/m/truth-Bend-00.gltf"), &text).unwrap();
+        fs::write(project.path("p/m/truth-Bend-01.gltf"), &text).unwrap();
+        fs::write(project.path("p/m/truth-Bend-02.gltf"), &text).unwrap();
+        project.write("p/p.yaml", &format!("{PIPELINE}truth: 'm/truth-{{pose}}.gltf'\n"));
+        // A device without an end would never be hashed.
+        let output = project.mimesh(&["run", "p/p.yaml"]);
+        assert!(!output.stdout.contains(uri), "{}", output.stdout);
+        if project.has("p/out/run.json") {
+            let report = common::json(&project.read("p/out/run.json"));
+            let inputs = report["inputs"].as_array().expect("inputs");
+            assert!(inputs.iter().all(|input| input["path"] != uri), "{uri}: {inputs:?}");
+        }
+    }
+}

@@ -51,6 +51,13 @@ pub(crate) struct FileOnDisk<'a> {
     pub reach: &'a Reach,
 }
 
+impl FileOnDisk<'_> {
+    /// Whether the policy lets the mesh open `file`, whether it exists or not.
+    pub fn may_open(&self, file: &Path) -> bool {
+        !matches!(self.reach.resolve(&self.path, file), Err(Error::OutOfReach { .. }))
+    }
+}
+
 impl FileInput for FileOnDisk<'_> {
     fn path(&self) -> &Path {
         &self.path
@@ -94,6 +101,9 @@ mod tests {
         assert!(message("/etc/passwd").contains("lies neither under"), "{}", message("/etc/passwd"));
         assert!(message("deep").contains("no regular file"), "{}", message("deep"));
         assert!(message("none.bin").contains("cannot read"), "{}", message("none.bin"));
+        let may_open = |name: &str| mesh.may_open(&mesh.path_of(name));
+        assert!(may_open("a.bin") && may_open("none.bin"));
+        assert!(!may_open("../other/a.bin") && !may_open("/etc/passwd") && !may_open("deep"));
         #[cfg(unix)]
         {
             std::os::unix::fs::symlink(at("other/a.bin"), at("mesh/link.bin")).unwrap();

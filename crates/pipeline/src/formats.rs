@@ -76,10 +76,13 @@ impl Formats {
     }
 
     /// All files that are read with `path`: itself and those that it refers to; `path` alone if it has no format.
+    ///
+    /// Those that it may not open are not among them, since nothing may be done with them, not even hashing.
     pub fn files(&self, path: &Path) -> Vec<PathBuf> {
         let input = self.input(path);
         let references = self.reader(path).map(|format| format.references(&input)).unwrap_or_default();
-        std::iter::once(path.into()).chain(references.iter().map(|reference| input.path_of(reference))).collect()
+        let referenced = references.iter().map(|reference| input.path_of(reference));
+        std::iter::once(path.into()).chain(referenced.filter(|file| input.may_open(file))).collect()
     }
 
     fn input(&self, path: &Path) -> FileOnDisk<'_> {

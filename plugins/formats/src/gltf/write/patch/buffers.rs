@@ -42,7 +42,8 @@ pub fn gather(document: &GltfDocument, json: &mut Value, warnings: &mut Vec<Stri
     }
     embed_images(document, json, &mut binary, warnings)?;
     let buffers = list(json, "buffers");
-    let mut first = buffers.first().cloned().unwrap_or_else(|| json!({}));
+    // Readers forgive a first buffer that is no object, since the bytes are in the file.
+    let mut first = buffers.first().filter(|first| first.is_object()).cloned().unwrap_or_else(|| json!({}));
     if let Some(first) = first.as_object_mut() {
         first.shift_remove("uri");
         COMPRESSIONS.iter().for_each(|name| remove_extension(first, name));
