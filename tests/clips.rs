@@ -108,6 +108,127 @@ fn a_moment_of_a_clip_serves_as_the_rest() {
     assert!([0, 3].contains(&output.status), "{}", output.stderr);
     assert_bent(&vertices(&project.read("out/Bend-04.obj")), 90.0);
     assert_bent(&vertices(&project.read("out/Bend-01.obj")), 22.5);
+
+    // New shapes move the bent arm, and the clip that shows them holds its skeleton bent.
+    assert!(output.stderr.contains("rests in the clip `Bend`"), "{}", output.stderr);
+    project.write(
+        "p.yaml",
+        &CLIP
+            .replace(
+                "arm.gltf, poses: { clip: Bend, fps: 4 }",
+                "arm.gltf, poses: { file: out/arm.glb, clip: Bend-poses, at_keys: true }",
+            )
+            .replace("out/", "again/")
+            .replace("again/arm.glb,", "out/arm.glb,"),
+    );
+    let output = project.mimesh(&["run", "p.yaml"]);
+    assert!([0, 3].contains(&output.status), "{}", output.stderr);
+    for (frame, degrees) in [0.0, 22.5, 45.0, 67.5, 90.0].into_iter().enumerate() {
+        assert_bent(&vertices(&project.read(&format!("again/Bend-poses-{frame:02}.obj"))), degrees);
+    }
+}
+
+#[test]
+fn a_shape_serves_as_the_rest_of_a_clip() {
+    let project = arm(CLIP);
+    project.mimesh(&["run", "p.yaml"]);
+    project.edit("source: { rest: arm.gltf,", "source: { rest: { file: out/arm.glb, pose: Bend-02 },");
+    project.edit("target: { rest: arm.gltf }", "target: { rest: { file: out/arm.glb, pose: Bend-02 } }");
+    project.edit("output: [ 'out/{pose}.obj', out/arm.glb ]", "output: 'again/{pose}.obj'");
+    let output = project.mimesh(&["run", "p.yaml"]);
+    assert!([0, 3].contains(&output.status), "{}", output.stderr);
+    // Both rest bent by 45°: the triangles of each move alike.
+    assert_bent(&vertices(&project.read("again/Bend-00.obj")), 0.0);
+    assert_bent(&vertices(&project.read("again/Bend-04.obj")), 90.0);
+}
+
+#[test]
+fn clips_of_one_name_in_several_files_are_called_like_their_files() {
+    let project = arm(&CLIP.replace("{ clip: Bend, fps: 4 }", "[walk.gltf, run.gltf]"));
+    for name in ["walk.gltf", "run.gltf"] {
+        std::fs::copy(project.path("arm.gltf"), project.path(name)).expect("a copy");
+    }
+    let output = project.mimesh(&["run", "p.yaml"]);
+    assert!([0, 3].contains(&output.status), "{}", output.stderr);
+    assert_bent(&vertices(&project.read("out/walk-Bend-12.obj")), 45.0);
+    assert_bent(&vertices(&project.read("out/run-Bend-24.obj")), 90.0);
+    let glb = json_of_glb(&project.bytes("out/arm.glb"));
+    let clips: Vec<_> = glb["animations"].as_array().expect("clips").iter().map(|clip| clip["name"].clone()).collect();
+    assert_eq!(clips, ["Bend", "walk-Bend", "run-Bend"]);
+}
+
+/// Adds the clip `Still`, which moves a node that carries nothing.
+fn add_still_clip(project: &Project, file: &str, alone: bool) {
+    let mut json = common::arm::json(project);
+    let prop = json["nodes"].as_array().expect("nodes").len();
+    json["nodes"].as_array_mut().expect("nodes").push(serde_json::json!({ "name": "prop" }));
+    json["scenes"][0]["nodes"].as_array_mut().expect("roots").push(prop.into());
+    let mut still = json["animations"][0].clone();
+    still["name"] = "Still".into();
+    still["channels"][0]["target"]["node"] = prop.into();
+    let clips = json["animations"].as_array_mut().expect("clips");
+    if alone {
+        clips.clear();
+    }
+    clips.push(still);
+    project.write(file, &json.to_string());
+}
+
+#[test]
+fn clips_that_do_not_move_the_mesh_give_no_poses() {
+    let project = arm(&CLIP.replace("clip: Bend", "clip: '*'"));
+    add_still_clip(&project, "arm.gltf", false);
+    let check = project.mimesh(&["check", "p.yaml"]);
+    assert!(check.stdout.contains("5 poses"), "{}", check.stdout);
+    assert!(check.stderr.contains("clips that do not move the mesh: `Still`"), "{}", check.stderr);
+    let still = project.mimesh(&["check", "p.yaml", "--set", "source.poses={clip: Still}"]);
+    assert!(still.status != 0 && still.stderr.contains("no key of the clip moves the mesh"), "{}", still.stderr);
+    // A file of one such clip is a pose as it stands.
+    add_still_clip(&project, "other.gltf", true);
+    let one = project.mimesh(&["check", "p.yaml", "--set", "source.poses=other.gltf"]);
+    assert!(one.status == 0 && one.stdout.contains("1 pose"), "{}{}", one.stdout, one.stderr);
+    // A clip that is named twice is still one.
+    let twice = project.mimesh(&["check", "p.yaml", "--set", "source.poses={clip: [Bend, Bend], fps: 4}"]);
+    assert!(twice.stdout.contains("5 poses"), "{}", twice.stdout);
+}
+
+#[test]
+fn times_outside_a_clip_and_choices_that_a_format_does_not_know_are_told() {
+    let project = arm(CLIP);
+    project.mimesh(&["run", "p.yaml"]);
+    let late = project.mimesh(&["check", "p.yaml", "--set", "target.rest={file: arm.gltf, clip: Bend, time: 7}"]);
+    assert!(late.stderr.contains("the clip `Bend` has no time 7 s: the rest is that of 1 s"), "{}", late.stderr);
+    for (slot, choice) in [("target", "meshes: [arm]"), ("target", "pose: smile"), ("source", "clip: Bend, time: 1")] {
+        let set = format!("{slot}.rest={{file: out/Bend-00.obj, {choice}}}");
+        let output = project.mimesh(&["check", "p.yaml", "--set", &set]);
+        let key = choice.split(':').next().expect("a key");
+        let expected = format!("`{key}` for a .obj file");
+        assert!(output.status != 0 && output.stderr.contains(&expected), "{set}: {}", output.stderr);
+    }
+}
+
+#[test]
+fn shapes_of_the_target_are_told_from_results() {
+    let project = arm(CLIP);
+    project.mimesh(&["run", "p.yaml"]);
+    // The target has shapes of the names of the poses already.
+    project.edit("target: { rest: arm.gltf }", "target: { rest: out/arm.glb }");
+    project.edit("output: [ 'out/{pose}.obj', out/arm.glb ]", "truth: 'out/{pose}.obj'\noutput: again/arm.glb");
+    let output = project.mimesh(&["run", "p.yaml"]);
+    assert!([0, 3].contains(&output.status), "{}", output.stderr);
+    let report: serde_json::Value = serde_json::from_str(&project.read("again/run.json")).expect("a report");
+    assert_eq!(report["outputs"][0]["renamed"]["Bend-04"], "Bend-04-2");
+    // Pictures show the results, whose errors are known: all vertices have their place.
+    let compared = project.mimesh(&["compare", "again/run.json", "out/run.json", "--out", "c.html"]);
+    assert_eq!((compared.status, &*compared.stderr), (0, ""));
+
+    // Of a file with both, known results choose theirs.
+    let score = project.mimesh(&["score", "again/arm.glb", "out/arm.glb"]);
+    assert!(score.stderr.contains("left out: Bend-00-2"), "{}", score.stderr);
+    assert_eq!(score.status, 0, "{}", score.stderr);
+    // A file that was written from the target is no truth by the names of its own shapes.
+    let truth = project.mimesh(&["check", "p.yaml", "--set", "truth=again/arm.glb", "--set", "output=c.glb"]);
+    assert!(truth.stderr.contains("the target itself has these shapes"), "{}", truth.stderr);
 }
 
 #[test]

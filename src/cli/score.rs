@@ -1,7 +1,10 @@
 //! `mimesh score`: the errors of results against known results.
 
 use crate::cli::roots::Roots;
-use std::path::{Path, PathBuf};
+use std::{
+    collections::HashSet,
+    path::{Path, PathBuf},
+};
 
 use mimesh_core::mesh::{Mesh, Surface};
 use mimesh_document::diagnostic::{Diagnostic, Kind, Result};
@@ -12,7 +15,7 @@ use mimesh_pipeline::{
     json::to_value,
     metrics::{over_poses, point_error},
     report::PoseReport,
-    text::count,
+    text::{count, some_of},
 };
 use nalgebra::Point3;
 use serde_json::{Map, Value, json};
@@ -65,8 +68,8 @@ impl Score {
         let limits = self.at_most.iter().map(|text| parse_limit(text)).collect::<Result<Vec<_>>>()?;
         let formats = self.roots.formats();
         let name = |found: &GlobMatch| found.name.clone();
-        let results = read_all(&formats, &self.result, name)?;
         let truths = read_all(&formats, &self.truth, name)?;
+        let results = of_names(read_all(&formats, &self.result, name)?, &truths);
         if results.len() != truths.len() {
             let results = count(results.len(), "result", "results");
             let message = format!("{results}, but {}", count(truths.len(), "known result", "known results"));
@@ -110,6 +113,26 @@ impl Score {
         }
         Ok(poses)
     }
+}
+
+/// Of more results than there are known ones those of the names that are known, in that order; all where a name is missing.
+///
+/// A file of results may hold shapes that the target had before.
+fn of_names(mut results: Vec<PosedMesh>, truths: &[PosedMesh]) -> Vec<PosedMesh> {
+    let known: HashSet<&str> = truths.iter().map(|truth| &*truth.name).collect();
+    let found: HashSet<&str> = results.iter().map(|result| &*result.name).collect();
+    if results.len() <= truths.len() || known.len() < truths.len() || !known.is_subset(&found) {
+        return results;
+    }
+    let names = results.iter().map(|result| &*result.name);
+    let others: Vec<&str> = names.filter(|name| !known.contains(name)).collect();
+    if results.len() - others.len() > truths.len() {
+        return results;
+    }
+    terminal::warn(&format!("results without a known result are left out: {}", some_of(&others)));
+    results.retain(|result| known.contains(&*result.name));
+    results.sort_by_key(|result| truths.iter().position(|truth| truth.name == result.name));
+    results
 }
 
 /// Parses an argument of `--at-most`.

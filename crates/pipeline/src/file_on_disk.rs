@@ -3,6 +3,7 @@
 use std::{
     borrow::Cow,
     fs,
+    io::{self, Read},
     path::{Path, PathBuf},
 };
 
@@ -69,8 +70,31 @@ impl FileInput for FileOnDisk<'_> {
 
     fn referenced(&self, reference: &str) -> Result<Vec<u8>> {
         let path = self.path_of(reference);
+        let failed = |error| Error::read(&path, error);
         let found = self.reach.resolve(&self.path, &path)?;
-        fs::read(&found).map_err(|error| Error::read(&path, error))
+        let mut file = fs::File::open(&found).map_err(failed)?;
+        // What was opened is what may be read, even if links were changed in between.
+        let now = self.reach.resolve(&self.path, &found)?;
+        let metadata = file.metadata().map_err(failed)?;
+        if now != found || !metadata.is_file() || !is_same(&metadata, &fs::metadata(&found).map_err(failed)?) {
+            return Err(failed(io::Error::other("the file was exchanged while it was opened")));
+        }
+        let mut contents = Vec::new();
+        file.read_to_end(&mut contents).map_err(failed)?;
+        Ok(contents)
+    }
+}
+
+/// Whether both are of one file, as far as the system tells.
+fn is_same(a: &fs::Metadata, b: &fs::Metadata) -> bool {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::MetadataExt;
+        (a.dev(), a.ino()) == (b.dev(), b.ino())
+    }
+    #[cfg(not(unix))]
+    {
+        a.len() == b.len()
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::{fmt, path::PathBuf};
 
-use mimesh_core::stage::RestShape;
+use mimesh_core::stage::{PoseChoice, RestShape, Selection};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{
     Deserialize, Deserializer, Serialize, Serializer,
@@ -44,6 +44,13 @@ impl Rest {
     /// The names of the parts; none stands for all.
     pub fn meshes(&self) -> Vec<String> {
         self.meshes.as_ref().map(|meshes| meshes.items.clone()).unwrap_or_default()
+    }
+
+    /// The parts and the shape of a target's file.
+    pub fn selection(&self) -> Selection {
+        let pose = self.pose.clone().map(RestShape::Pose);
+        let rest = self.clip_shape().or(pose).unwrap_or_default();
+        Selection { meshes: self.meshes(), rest, poses: PoseChoice::Nothing, keep_document: false }
     }
 
     /// The time in a clip that the file is asked for, if one is named.

@@ -4,7 +4,7 @@
 //! [`discard_all_and_exit`] removes those of a run that is interrupted.
 
 use std::{
-    collections::BTreeSet,
+    collections::{BTreeMap, BTreeSet},
     ffi::OsStr,
     fs::File,
     io::{self, BufWriter, Write},
@@ -28,6 +28,7 @@ pub struct Staged {
     temporary: PathBuf,
     place: PathBuf,
     bytes: u64,
+    renamed: BTreeMap<String, String>,
 }
 
 /// A file in its place.
@@ -37,12 +38,20 @@ pub struct WrittenFile {
     pub path: PathBuf,
     /// Its size.
     pub bytes: u64,
+    /// The poses that it has under another name, with that name.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub renamed: BTreeMap<String, String>,
 }
 
 impl Staged {
+    /// Notes the poses that the file has under another name, with that name.
+    pub fn set_renamed(&mut self, renamed: &[(String, String)]) {
+        self.renamed = renamed.iter().cloned().collect();
+    }
+
     /// The file as it will be in its place.
     pub fn written(&self) -> WrittenFile {
-        WrittenFile { path: self.place.clone(), bytes: self.bytes }
+        WrittenFile { path: self.place.clone(), bytes: self.bytes, renamed: self.renamed.clone() }
     }
 }
 
@@ -59,7 +68,7 @@ pub fn stage(place: &Path, write: impl FnOnce(&mut dyn Write) -> mimesh_core::Re
     let temporary = folder.join(format!(".{name}.{}.part", std::process::id()));
     // The name is known before the file exists, so that an interrupt between the two leaves nothing.
     locked().insert(temporary.clone());
-    let mut staged = Staged { temporary, place: place.into(), bytes: 0 };
+    let mut staged = Staged { temporary, place: place.into(), bytes: 0, renamed: BTreeMap::new() };
     let mut out = BufWriter::with_capacity(1 << 16, File::create(&staged.temporary).map_err(failed)?);
     write(&mut out).map_err(IntoDiagnostic::into_diagnostic)?;
     out.flush().map_err(failed)?;
@@ -170,7 +179,7 @@ mod tests {
         let staged = stage(&place, |out| out.write_all(b"abc").map_err(|e| Error::write(&place, e))).unwrap();
         assert!(!place.exists());
         let written = commit(vec![staged]).unwrap();
-        assert_eq!(written, [WrittenFile { path: place.clone(), bytes: 3 }]);
+        assert_eq!(written, [WrittenFile { path: place.clone(), bytes: 3, renamed: BTreeMap::new() }]);
         assert_eq!(names(place.parent().unwrap()), ["a.txt"]);
     }
 

@@ -16,7 +16,7 @@ use mimesh_pipeline::{
 };
 use serde_json::{Value, json};
 
-use crate::cli::{CommandResult, out_file::OutFile, status::Status, terminal};
+use crate::cli::{CommandResult, out_file::OutFile, roots::Roots, status::Status, terminal};
 use written_files::WrittenFiles;
 
 /// Compares runs: statistics, curves and pictures.
@@ -38,6 +38,8 @@ pub struct Compare {
     /// Print the table as JSON
     #[arg(long)]
     json: bool,
+    #[command(flatten)]
+    roots: Roots,
 }
 
 impl Compare {
@@ -56,7 +58,7 @@ impl Compare {
                 out.check_is_none_of(written.paths().chain([&**file]), "one of the runs wrote this file")?;
             }
             for (run, file) in runs.iter_mut().zip(&files) {
-                let (pictures, problems) = pictures::draw(&run.report, file);
+                let (pictures, problems) = pictures::draw(&run.report, file, &self.roots);
                 problems.iter().for_each(|problem| terminal::warn(&format!("{}: {problem}", run.name)));
                 run.pictures = pictures;
             }

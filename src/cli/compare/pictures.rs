@@ -12,9 +12,12 @@ use mimesh_pipeline::{
 };
 use rayon::prelude::*;
 
-use crate::cli::compare::{
-    results::{GroundTruth, PosedResult, read_results},
-    written_files::WrittenFiles,
+use crate::cli::{
+    compare::{
+        results::{GroundTruth, PosedResult, read_results},
+        written_files::WrittenFiles,
+    },
+    roots::Roots,
 };
 
 /// The largest number of poses of a run that are drawn; of more poses some are chosen, spread over all.
@@ -23,8 +26,11 @@ const MAX_POSES: usize = 24;
 const PIXELS: u32 = 280;
 
 /// Draws poses of the run whose report is `file`, and gives sentences on those that could not be drawn.
-pub fn draw(report: &Report, file: &Path) -> (Vec<Image>, Vec<String>) {
-    let formats = Formats::new(vec![], Reach::default());
+///
+/// Meshes may open files in the folders `roots` and in that of the pipeline.
+pub fn draw(report: &Report, file: &Path, roots: &Roots) -> (Vec<Image>, Vec<String>) {
+    let pipeline = report.pipeline.parent().map(Path::to_path_buf);
+    let formats = Formats::new(vec![], Reach::new(roots.folders().into_iter().chain(pipeline)));
     let written = WrittenFiles::new(report, file);
     match read_results(report, &written, &formats, MAX_POSES) {
         Ok(results) => {

@@ -1,18 +1,22 @@
 //! The results of a run as meshes, and the known results of its poses.
 
-use mimesh_core::stage::Selection;
 use std::{
     collections::HashMap,
     path::{Path, PathBuf},
 };
 
 use mimesh_core::{
-    mesh::{Mesh, Pose, Surface},
-    stage::Generator,
+    mesh::{Mesh, MeshSequence, Pose, Surface},
+    stage::{Generator, PoseChoice, RestShape, Selection},
 };
 use mimesh_pipeline::{
-    Formats, OneOrMany, Report, check::in_file, input::evenly_spaced, metrics::point_error, placeholder::with_pose,
+    Formats, OneOrMany, Report,
+    check::in_file,
+    input::evenly_spaced,
+    metrics::point_error,
+    placeholder::{POSE, with_pose},
     report::PoseReport,
+    spec::Target,
 };
 use nalgebra::Point3;
 
@@ -47,17 +51,40 @@ pub fn read_results(
         } else if let Some(path) = written.find(&PathBuf::from(with_pose(pattern, "")))
             && formats.reader(path).is_ok()
         {
-            let sequence =
-                formats.read(path, &Selection::default()).map_err(|error| in_file(path, error).to_string())?;
-            let posed = |pose: &Pose| PosedResult {
+            let sequence = read_sequence(formats, path, &target_selection(report))?;
+            let renamed = report.outputs.iter().find(|output| output.path.file_name() == path.file_name());
+            let results: Vec<_> = report
+                .poses
+                .iter()
+                .filter_map(|pose| {
+                    // Beside the results a file may hold shapes of the target's own.
+                    let name = renamed.and_then(|output| output.renamed.get(&pose.name)).unwrap_or(&pose.name);
+                    Some((pose, sequence.poses.iter().find(|held| held.name == *name)?))
+                })
+                .collect();
+            let posed = |(pose, held): &(&PoseReport, &Pose)| PosedResult {
                 name: pose.name.clone(),
-                mesh: Mesh { positions: pose.positions.get().into_owned(), ..sequence.rest.clone() },
+                mesh: Mesh { positions: held.positions.get().into_owned(), ..sequence.rest.clone() },
             };
-            let shown = evenly_spaced(sequence.poses.len(), max_poses);
-            return Ok(shown.into_iter().map(|i| posed(&sequence.poses[i])).collect());
+            let shown = evenly_spaced(results.len(), max_poses);
+            return Ok(shown.into_iter().map(|i| posed(&results[i])).collect());
         }
     }
     Err("its results are not where they were written".into())
+}
+
+/// The part of the target's file that a run read, in its shape at rest.
+fn target_selection(report: &Report) -> Selection {
+    let target: Option<Target> = serde_json::from_value(report.settings["target"].clone()).ok();
+    target.and_then(|target| target.rest).map(|rest| rest.selection()).unwrap_or_default()
+}
+
+/// Reads the poses of `path`, at rest as `selection` has it if the file holds that shape.
+fn read_sequence(formats: &Formats, path: &Path, selection: &Selection) -> Result<MeshSequence, String> {
+    let shapes = |selection: &Selection| Selection { poses: PoseChoice::Shapes, ..selection.clone() };
+    let stored = Selection { rest: RestShape::Stored, ..selection.clone() };
+    let read = formats.read(path, &shapes(selection)).or_else(|_| formats.read(path, &shapes(&stored)));
+    read.map_err(|error| in_file(path, error).to_string())
 }
 
 /// Reads the files of an output with a file for each pose; files that cannot be read are left out.
@@ -98,13 +125,23 @@ impl GroundTruth {
             let poses = sequence.poses.into_iter().map(|pose| (pose.name, pose.positions.get().into_owned())).collect();
             return Some(Self { rest: sequence.rest, poses });
         }
-        let rest = read_rest(formats, inputs_of_role(report, "target rest").next()?)?;
+        let selection = target_selection(report);
+        let rest = formats.read(inputs_of_role(report, "target rest").next()?, &selection).ok()?.rest;
         let files: Vec<&Path> = inputs_of_role(report, "truth").collect();
+        let has_all = report.settings["truth"].as_str().is_some_and(|truth| !truth.contains(POSE));
+        if let [file] = files[..]
+            && has_all
+        {
+            let sequence = read_sequence(formats, file, &selection).ok()?;
+            let poses = sequence.poses.into_iter().map(|pose| (pose.name, pose.positions.get().into_owned())).collect();
+            return Some(Self { rest, poses });
+        }
         if files.len() != report.poses.len() {
             return None;
         }
+        let stored = Selection { rest: RestShape::Stored, ..selection };
         let read = |(pose, file): (&PoseReport, &&Path)| {
-            Some((pose.name.clone(), formats.read_pose(file, &Selection::default(), &rest).ok()?))
+            Some((pose.name.clone(), formats.read_pose(file, &stored, &rest).ok()?))
         };
         let poses = report.poses.iter().zip(&files).filter_map(read).collect();
         Some(Self { rest, poses })

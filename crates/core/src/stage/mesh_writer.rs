@@ -59,6 +59,11 @@ pub trait SequenceWriter {
         Vec::new()
     }
 
+    /// The added poses that the file has under another name, each with that name.
+    fn renamed(&self) -> &[(String, String)] {
+        &[]
+    }
+
     /// Writes the file.
     ///
     /// # Errors

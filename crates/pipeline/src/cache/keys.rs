@@ -241,7 +241,7 @@ fn hash_of_ground_truth(prepared: &Prepared, i: usize) -> Option<Hash> {
                 update_points(&mut hasher, positions);
             }
         }
-        GroundTruth::Files(files) => update_file(&mut hasher, &prepared.formats, &prepared.hashes, &files[i])?,
+        GroundTruth::Files { files, .. } => update_file(&mut hasher, &prepared.formats, &prepared.hashes, &files[i])?,
     }
     Some(hasher.finalize())
 }

@@ -85,6 +85,16 @@ impl Findings {
         false
     }
 
+    /// Adds the warnings of a reader of `file`, each once for all files that have it: poses of one rig have the same.
+    pub fn warn_of_file(&mut self, file: &Path, warnings: &[String]) {
+        for warning in warnings {
+            let tail = format!(": {warning}");
+            if !self.warnings.iter().any(|other| other.ends_with(&tail)) {
+                self.warnings.push(format!("{}{tail}", file.display()));
+            }
+        }
+    }
+
     /// Reports empty strings where a path belongs: the value at `path`, or items of the sequence there.
     pub fn check_empty(&mut self, scope: Scope<'_>, path: &[Step]) {
         let Some(value) = scope.document.get(path) else { return };

@@ -2,7 +2,10 @@
 
 use std::path::Path;
 
-use mimesh_core::stage::{ClipChoice, PoseChoice, Selection, check_pose};
+use mimesh_core::{
+    mesh::MeshSequence,
+    stage::{ClipChoice, PoseChoice, RestShape, Selection, check_pose},
+};
 use mimesh_document::{At, Step, path};
 
 use super::{
@@ -47,7 +50,7 @@ pub(super) fn own_poses(scope: Scope<'_>, found: &mut Findings, mesh: &RestMesh)
             (None, _) => ("the generator makes none", "name their files, e.g. `poses: horse-??.obj`".into()),
             (_, None) => ("the rest file holds none", "name their files, e.g. `poses: horse-??.obj`".into()),
             (_, Some(first)) => (
-                "the rest file has no morph targets",
+                "the chosen meshes of the rest file have no morph targets",
                 format!("its clips serve as poses, e.g. `poses: {{ clip: {first} }}`; clips: {}", some_of(&clips)),
             ),
         };
@@ -81,8 +84,14 @@ pub(super) fn check_times(scope: Scope<'_>, found: &mut Findings, clips: &ClipPo
 pub(super) fn frames(scope: Scope<'_>, found: &mut Findings, mesh: &mut RestMesh, clips: &ClipPoses) -> Vec<PoseInput> {
     let Some(file) = &clips.file else {
         if mesh.sequence.poses.is_empty() {
-            let hint = "name the file that holds the clip, e.g. `poses: { file: run.glb, clip: Run }`";
-            found.missing(scope, &path(["source", "poses"]), "the rest holds no clips", hint);
+            let (message, hint) = match &mesh.sequence.animations[..] {
+                [] => (
+                    "the rest holds no clips",
+                    "name the file that holds the clip, e.g. `poses: { file: run.glb, clip: Run }`",
+                ),
+                _ => ("no key of the clip moves the mesh in the given times", STILL),
+            };
+            found.missing(scope, &path(["source", "poses"]), message, hint);
         }
         return held_poses(mesh, 0);
     };
@@ -91,19 +100,23 @@ pub(super) fn frames(scope: Scope<'_>, found: &mut Findings, mesh: &mut RestMesh
     if !is_readable(scope, found, &file, &at) {
         return vec![];
     }
-    let choice = PoseChoice::Clips(clips.choice());
-    match hold(scope, mesh, &file, choice) {
-        Ok((poses, _)) if poses.is_empty() => {
-            found.missing(scope, &at, format!("{} holds no clips", file.display()), "name a file that holds some");
+    let read = read_poses(scope, mesh, &file, PoseChoice::Clips(clips.choice()));
+    match read.and_then(|read| hold(found, mesh, &file, read)) {
+        Ok(poses) if poses.is_empty() => {
+            let message = format!("{} holds no clip that moves the mesh", file.display());
+            found.missing(scope, &at, message, STILL);
             vec![]
         }
-        Ok((poses, _)) => poses,
+        Ok(poses) => poses,
         Err(error) => {
             found.diagnostics.push(in_file(&file, error));
             vec![]
         }
     }
 }
+
+/// The way out where clips give no poses.
+const STILL: &str = "name another clip; `mimesh inspect` lists the clips of a file";
 
 /// The poses that a file among those of the source holds: all of one that holds poses, else the mesh in it.
 pub(super) fn poses_in(
@@ -116,52 +129,75 @@ pub(super) fn poses_in(
     if !scope.formats.reader(file).is_ok_and(|format| format.holds_poses()) {
         return vec![pose];
     }
-    let shapes = hold(scope, mesh, file, PoseChoice::Shapes);
-    let read = match shapes {
-        Ok((poses, clips)) if poses.is_empty() && clips.len() == 1 => {
-            let choice = ClipChoice { clips, ..ClipChoice::default() };
-            hold(scope, mesh, file, PoseChoice::Clips(choice))
-        }
-        other => other,
-    };
-    match read {
-        Ok((poses, clips)) if poses.is_empty() && clips.len() > 1 => {
-            let names: Vec<&str> = clips.iter().map(String::as_str).collect();
-            let message = format!("{} has several clips: {}", file.display(), some_of(&names));
-            let hint = format!("name one: `poses: {{ file: {}, clip: {} }}`", file.display(), names[0]);
-            found.wrong(scope, &path(["source", "poses"]), At::Value, message, hint);
-            vec![]
-        }
-        // One shape alone is a pose like any other file of one mesh.
-        Ok((poses, _)) if poses.is_empty() => vec![pose],
-        Ok((poses, _)) => poses,
-        Err(error) => {
-            found.diagnostics.push(in_file(file, error));
-            vec![]
-        }
+    let mut read = read_poses(scope, mesh, file, PoseChoice::Shapes);
+    if read.as_ref().is_ok_and(|read| read.poses.is_empty() && !read.animations.is_empty()) {
+        read = read_poses(scope, mesh, file, PoseChoice::Clips(ClipChoice::default()));
     }
+    let held = read.and_then(|read| {
+        let mut clips: Vec<&str> = read.poses.iter().filter_map(|pose| Some(&*pose.time.as_ref()?.clip)).collect();
+        clips.dedup();
+        if clips.len() > 1 {
+            let message = format!("{} has several clips: {}", file.display(), some_of(&clips));
+            let hint = format!("name one: `poses: {{ file: {}, clip: {} }}`", file.display(), clips[0]);
+            found.wrong(scope, &path(["source", "poses"]), At::Value, message, hint);
+            return Ok(vec![]);
+        }
+        // A mesh in one shape is a pose like any other file of one mesh.
+        if read.poses.is_empty() { Ok(vec![pose.clone()]) } else { hold(found, mesh, file, read) }
+    });
+    held.unwrap_or_else(|error| {
+        found.diagnostics.push(in_file(file, error));
+        vec![]
+    })
 }
 
-/// Puts the chosen poses of `file` with those that the source holds; these poses, and the clips of the file.
+/// The chosen poses of `file`, where the mesh rests as the source does.
 ///
 /// # Errors
 ///
-/// Those of the format, and if the file does not have the vertices and polygons of the source.
-fn hold(
+/// Those of the format.
+fn read_poses(scope: Scope<'_>, mesh: &RestMesh, file: &Path, poses: PoseChoice) -> mimesh_core::Result<MeshSequence> {
+    let selection = Selection { meshes: mesh.selection.meshes.clone(), poses, ..Selection::default() };
+    resting_alike(scope, file, selection, &mesh.selection.rest)
+}
+
+/// Reads `file` with the shape `rest` of another file of the same rig, if it has the clip that this is of.
+///
+/// # Errors
+///
+/// Those of the format.
+pub(super) fn resting_alike(
     scope: Scope<'_>,
+    file: &Path,
+    selection: Selection,
+    rest: &RestShape,
+) -> mimesh_core::Result<MeshSequence> {
+    let read = scope.formats.read(file, &selection)?;
+    match rest {
+        RestShape::Clip { name, .. } if read.animations.iter().any(|clip| clip.name == *name) => {
+            scope.formats.read(file, &Selection { rest: rest.clone(), ..selection })
+        }
+        _ => Ok(read),
+    }
+}
+
+/// Puts the poses that were read from `file` with those that the source holds; these poses.
+///
+/// # Errors
+///
+/// If the file does not have the vertices and polygons of the source.
+fn hold(
+    found: &mut Findings,
     mesh: &mut RestMesh,
     file: &Path,
-    choice: PoseChoice,
-) -> mimesh_core::Result<(Vec<PoseInput>, Vec<String>)> {
-    let selection = Selection { meshes: mesh.selection.meshes.clone(), poses: choice, ..Selection::default() };
-    let read = scope.formats.read(file, &selection)?;
-    let clips = read.animations.into_iter().map(|clip| clip.name).collect();
+    read: MeshSequence,
+) -> mimesh_core::Result<Vec<PoseInput>> {
+    found.warn_of_file(file, &read.warnings);
     if read.poses.is_empty() {
-        return Ok((vec![], clips));
+        return Ok(vec![]);
     }
-    let rest = &mesh.sequence.rest;
-    check_pose(file, rest, read.rest.positions.len(), &read.rest.polygons)?;
+    check_pose(file, &mesh.sequence.rest, read.rest.positions.len(), &read.rest.polygons)?;
     let first = mesh.sequence.poses.len();
     mesh.sequence.poses.extend(read.poses);
-    Ok((held_poses(mesh, first), clips))
+    Ok(held_poses(mesh, first))
 }

@@ -2,7 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use mimesh_core::{mesh::poses_are_frames, stage::MeshWriter};
+use mimesh_core::{
+    mesh::poses_are_frames,
+    stage::{MeshWriter, RestShape},
+};
 use mimesh_document::{At, Step, path, paths};
 
 use super::{
@@ -55,7 +58,10 @@ pub(super) fn outputs(
         } else if let Some(output) = output(scope, found, &pattern, poses, &at) {
             match &output {
                 Output::Poses(files) => check_file_names(scope, found, poses, files, &at),
-                Output::Sequence(file) => check_size(scope, found, file, target, poses, &at),
+                Output::Sequence(file) => {
+                    check_size(scope, found, file, target, poses, &at);
+                    warn_of_clip(found, file, target);
+                }
             }
             // The first file that cannot be written stands for all of a pattern.
             let _ = output.files().iter().all(|file| files.add(scope, found, file, &at));
@@ -106,6 +112,16 @@ fn check_size(
     {
         found.wrong(scope, at, At::Value, error.to_string(), error.hint().unwrap_or_default());
     }
+}
+
+/// Warns that the shapes of a target that rests in a clip belong to the skeleton as it is then.
+fn warn_of_clip(found: &mut Findings, file: &Path, target: Option<&RestMesh>) {
+    let Some(RestShape::Clip { name, seconds }) = target.map(|target| &target.selection.rest) else { return };
+    found.warnings.push(format!(
+        "{}: the target rests in the clip `{name}` at {seconds} s: its new shapes are right where the skeleton stands as it does then; \
+         clips that show them hold it there",
+        file.display()
+    ));
 }
 
 /// The file that `path`, written at `at`, stands for.

@@ -1,11 +1,11 @@
 //! The poses of the source: globs, names, and poses that the rest file holds.
 
 use std::{
-    collections::HashSet,
+    collections::{HashMap, HashSet},
     path::{Path, PathBuf},
 };
 
-use mimesh_core::stage::{PoseChoice, Selection};
+use mimesh_core::stage::{PoseChoice, RestShape, Selection};
 use mimesh_document::{
     At, Step, path,
     paths::{identity, stem},
@@ -47,7 +47,8 @@ pub(super) fn source(
     let poses = match (&source.poses, &mut mesh) {
         (Some(Poses::Files(patterns)), mesh) => {
             let files = pose_files(scope, found, patterns, source.rest.as_ref());
-            files.into_iter().flat_map(|file| poses_in(scope, found, mesh.as_mut(), file)).collect()
+            let named = |file: PoseInput| (file.name.clone(), poses_in(scope, found, mesh.as_mut(), file));
+            told_apart(files.into_iter().map(named).collect())
         }
         (Some(Poses::Clips(clips)), Some(mesh)) => frames(scope, found, mesh, clips),
         (None, Some(mesh)) => own_poses(scope, found, mesh),
@@ -90,6 +91,16 @@ fn resting_at(
 ) -> Option<RestMesh> {
     let at = path(["source", "rest", "pose"]);
     let Some(pose) = poses.iter().find(|pose| pose.name == name) else {
+        // Frames of a clip are the poses, and the shape at rest is another of the file.
+        let shape =
+            Selection { rest: RestShape::Pose(name.into()), poses: PoseChoice::Nothing, ..mesh.selection.clone() };
+        let holds_poses = |file: &Path| scope.formats.reader(file).is_ok_and(|format| format.holds_poses());
+        let held = mesh.path.as_deref().filter(|file| holds_poses(file)).map(|file| scope.formats.read(file, &shape));
+        if let Some(Ok(resting)) = held
+            && let Ok(mesh) = mesh.resting_at(resting.rest.positions)
+        {
+            return Some(mesh);
+        }
         let names: Vec<&str> = poses.iter().map(|pose| pose.name.as_str()).collect();
         let hint = did_you_mean(name, &names).unwrap_or_else(|| format!("poses: {}", crate::text::some_of(&names)));
         found.missing(scope, &at, format!("the source has no pose called `{name}`"), hint);
@@ -164,6 +175,29 @@ fn matching(
         }
     }
     readable
+}
+
+/// The poses of all files; those that several files hold under one name get the name of the file before their own.
+///
+/// Many programs write one clip a file, and call all of them alike.
+fn told_apart(files: Vec<(String, Vec<PoseInput>)>) -> Vec<PoseInput> {
+    let held = |pose: &PoseInput| matches!(pose.from, PoseFrom::Held(_));
+    let mut counts: HashMap<String, usize> = HashMap::new();
+    for pose in files.iter().flat_map(|(_, poses)| poses).filter(|pose| held(pose)) {
+        *counts.entry(pose.name.clone()).or_default() += 1;
+    }
+    let rename = |(file, mut poses): (String, Vec<PoseInput>)| {
+        if poses.iter().any(|pose| held(pose) && counts[&pose.name] > 1) {
+            for pose in &mut poses {
+                pose.name = format!("{file}-{}", pose.name);
+                if let Some(time) = &mut pose.time {
+                    time.clip = format!("{file}-{}", time.clip);
+                }
+            }
+        }
+        poses
+    };
+    files.into_iter().flat_map(rename).collect()
 }
 
 /// The poses under unique names: where wildcards stand for the same, poses are called like their files.

@@ -103,6 +103,13 @@ fn completed(
         );
         return None;
     }
+    if let Some(key) = unknown_to_format(scope, name, rest) {
+        let kind = rest.file.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+        let message = format!("`{key}` for a .{kind} file, which has no parts or clips with names");
+        let hint = format!("remove `{key}`, or name a file of a format that has them, as .glb");
+        found.wrong(scope, &at(key), At::Key, message, hint);
+        return None;
+    }
     if rest.time.is_some() && rest.clip.is_none() {
         found.wrong(scope, &at("time"), At::Key, "`time` without `clip`", "name the clip, e.g. `clip: Run`");
         return None;
@@ -115,6 +122,21 @@ fn completed(
     }
     let shape = rest.clip_shape().unwrap_or(selection.rest);
     Some(Selection { meshes: rest.meshes(), rest: shape, ..selection })
+}
+
+/// The first key of `rest` that the format of its file knows nothing of.
+fn unknown_to_format(scope: Scope<'_>, name: &str, rest: &Rest) -> Option<&'static str> {
+    if scope.formats.reader(&rest.file).map_or(true, |format| format.holds_poses()) {
+        return None;
+    }
+    // The poses of the source may be files of their own.
+    let keys = [
+        ("meshes", rest.meshes.is_some()),
+        ("pose", rest.pose.is_some() && name != "source"),
+        ("clip", rest.clip.is_some()),
+        ("time", rest.time.is_some()),
+    ];
+    keys.into_iter().find(|(_, is_given)| *is_given).map(|(key, _)| key)
 }
 
 fn made(
@@ -158,8 +180,7 @@ fn read(
     }
     match in_shape(scope, file, selection, welding) {
         Ok(mesh) => {
-            let warnings = mesh.sequence.warnings.iter();
-            found.warnings.extend(warnings.map(|warning| format!("{}: {warning}", file.display())));
+            found.warn_of_file(file, &mesh.sequence.warnings);
             found.warnings.extend(noise_warning(name, &mesh));
             Some(mesh)
         }

@@ -17,8 +17,13 @@ pub enum GroundTruth {
     /// Nothing is known.
     #[default]
     None,
-    /// A file a pose, in the order of poses.
-    Files(Vec<PathBuf>),
+    /// A file a pose.
+    Files {
+        /// The files, in the order of poses.
+        files: Vec<PathBuf>,
+        /// The names of the parts of each that are read; all if there is none.
+        meshes: Vec<String>,
+    },
     /// Positions by the name of the pose.
     Held(HashMap<String, Vec<Point3<f64>>>),
 }
@@ -43,8 +48,11 @@ impl GroundTruth {
         match self {
             Self::None => Ok(None),
             Self::Held(by_name) => Ok(by_name.get(name).cloned()),
-            Self::Files(files) => match formats.reader(&files[i]) {
-                Ok(_) => formats.read_pose(&files[i], &Selection::default(), rest).map(Some),
+            Self::Files { files, meshes } => match formats.reader(&files[i]) {
+                Ok(_) => {
+                    let selection = Selection { meshes: meshes.clone(), ..Selection::default() };
+                    formats.read_pose(&files[i], &selection, rest).map(Some)
+                }
                 Err(_) => Ok(None),
             },
         }

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use mimesh_core::{
     Result,
     mesh::{ClipTime, check_finite},
+    stage::Selection,
 };
 use nalgebra::Point3;
 use rayon::prelude::*;
@@ -40,7 +41,10 @@ pub enum PoseFrom {
 pub fn read_pose(source: &RestMesh, formats: &Formats, from: &PoseFrom) -> Result<Vec<Point3<f64>>> {
     let positions = match from {
         PoseFrom::Held(i) => source.sequence.poses[*i].positions.get().into_owned(),
-        PoseFrom::File(path) => formats.read_pose(path, &source.selection, &source.sequence.rest)?,
+        PoseFrom::File(path) => {
+            let selection = Selection { meshes: source.selection.meshes.clone(), ..Selection::default() };
+            formats.read_pose(path, &selection, &source.sequence.rest)?
+        }
     };
     check_finite(&positions)?;
     Ok(positions)

@@ -110,9 +110,12 @@ impl<'a> PoseRunner<'a> {
                 stream
                     .warnings
                     .extend(writer.warnings().iter().map(|warning| format!("{}: {warning}", path.display())));
+                let renamed = writer.renamed().to_vec();
                 let finished =
                     staging::stage(&path, |out| writer.finish(out).map_err(|error| write_error(&path, error)));
-                stream.files.push(finished?);
+                let mut finished = finished?;
+                finished.set_renamed(&renamed);
+                stream.files.push(finished);
             }
         }
         Ok(stream)

@@ -1,6 +1,6 @@
 //! What a writer needs to give a glTF back as it was, with new morph targets.
 
-use std::ops::Range;
+use std::{collections::BTreeMap, ops::Range};
 
 use nalgebra::{Matrix4, Point3};
 use serde_json::Value;
@@ -15,11 +15,26 @@ pub struct GltfDocument {
     /// The contents of the images in files of their own, by the number of the image.
     pub images: Vec<(usize, Vec<u8>)>,
     /// The contents of the buffer views that are compressed in the file, by the number of the view.
-    pub decompressed: Vec<(usize, Vec<u8>)>,
+    pub decompressed: BTreeMap<usize, Vec<u8>>,
     /// The contents of the accessors that a primitive's compression holds, without gaps, by the number of the accessor.
-    pub unpacked: Vec<(usize, Vec<u8>)>,
+    pub unpacked: BTreeMap<usize, Vec<u8>>,
     /// Where the vertices of the mesh come from, in their order.
     pub placements: Vec<Placement>,
+    /// The nodes that stand elsewhere at rest than the file stores, where the rest is a time of a clip.
+    pub resting: Vec<RestingNode>,
+}
+
+/// A node where it is at rest.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RestingNode {
+    /// The node.
+    pub node: usize,
+    /// Its translation in its parent.
+    pub translation: [f64; 3],
+    /// Its rotation, a quaternion x, y, z, w.
+    pub rotation: [f64; 4],
+    /// Its scale along its axes.
+    pub scale: [f64; 3],
 }
 
 /// A run of vertices of the mesh: those of primitives that share them, under one node.

@@ -1,5 +1,7 @@
 //! Numbers out of buffers: all component types, normalised integers, strides, sparse entries, every bound checked.
 
+use std::collections::BTreeMap;
+
 use gltf::json::{
     Accessor, Index,
     accessor::{ComponentType, Type},
@@ -13,6 +15,9 @@ use super::{
 
 /// An accessor without data is all zeros; one longer than this is taken for damage rather than filled.
 const MAX_ZEROS: usize = 1 << 24;
+
+/// An entry of an accessor, after its number.
+pub type Entry<const N: usize> = (usize, [f64; N]);
 
 /// Reads accessor `index` as #entries × `N` numbers; integers that are marked so are scaled to 0…1 or −1…1.
 ///
@@ -52,6 +57,12 @@ pub fn count(asset: &Asset, index: Index<Accessor>) -> Result<usize, String> {
     Ok(size(follow(&asset.root.accessors, index, "accessor")?.count))
 }
 
+/// Whether accessor `index` has data for all its entries.
+pub fn has_data(asset: &Asset, index: Index<Accessor>) -> bool {
+    let accessor = asset.root.accessors.get(index.value());
+    accessor.is_some_and(|accessor| accessor.buffer_view.is_some()) || asset.unpacked.contains_key(&index.value())
+}
+
 fn read<const N: usize>(
     asset: &Asset,
     index: Index<Accessor>,
@@ -59,16 +70,11 @@ fn read<const N: usize>(
     scaled: bool,
 ) -> Result<Vec<[f64; N]>, String> {
     check_type(N, &accessor.type_)?;
-    let code = match accessor.component_type {
-        Checked::Valid(kind) => kind.0,
-        Checked::Invalid => return Err("has an unknown component type".into()),
-    };
-    let component = Component::new(code, scaled && accessor.normalized);
+    let component = component(accessor, scaled)?;
     let entry_size = N * component.size;
     let count = size(accessor.count);
-    let unpacked = asset.unpacked.iter().find(|(number, _)| *number == index.value());
-    let mut values = match (unpacked, accessor.buffer_view) {
-        (Some((_, bytes)), _) => bytes.chunks_exact(entry_size).map(|entry| component.read(entry)).collect(),
+    let mut values = match (asset.unpacked.get(&index.value()), accessor.buffer_view) {
+        (Some(bytes), _) => bytes.chunks_exact(entry_size).map(|entry| component.read(entry)).collect(),
         (None, Some(view)) => {
             let bytes = run(asset, view, accessor.byte_offset.map_or(0, size), count, entry_size, true)?;
             bytes.entries().map(|entry| component.read(entry)).collect()
@@ -76,22 +82,62 @@ fn read<const N: usize>(
         (None, None) if count > MAX_ZEROS => return Err(format!("has {count} entries but no data")),
         (None, None) => vec![[0.0; N]; count],
     };
-    if let Some(sparse) = &accessor.sparse {
-        let Checked::Valid(kind) = sparse.indices.component_type else {
-            return Err("replaces entries by an unknown component type".into());
-        };
-        let index = Component::new(kind.0, false);
-        let (at, with, count) = (&sparse.indices, &sparse.values, size(sparse.count));
-        let indices = run(asset, at.buffer_view, size(at.byte_offset), count, index.size, false)?;
-        let replaced = run(asset, with.buffer_view, size(with.byte_offset), count, entry_size, false)?;
-        for (at, entry) in indices.entries().zip(replaced.entries()) {
-            let [at] = index.read::<1>(at);
-            let count = values.len();
-            let place = values.get_mut(at as usize).filter(|_| at >= 0.0);
-            *place.ok_or_else(|| format!("replaces entry {at} of {count}"))? = component.read(entry);
-        }
+    for (at, entry) in replaced(asset, accessor, &component, count)? {
+        values[at] = entry;
     }
     Ok(values)
+}
+
+/// The entries that accessor `index` has in place of zeros, by their number; `None` if it has data for all entries.
+///
+/// So a morph target that moves few vertices takes room for these alone.
+///
+/// # Errors
+///
+/// The errors of [`numbers`].
+pub fn few<const N: usize>(asset: &Asset, index: Index<Accessor>) -> Result<Option<Vec<Entry<N>>>, String> {
+    let accessor = follow(&asset.root.accessors, index, "accessor")?;
+    if has_data(asset, index) {
+        return Ok(None);
+    }
+    let read = || {
+        check_type(N, &accessor.type_)?;
+        replaced(asset, accessor, &component(accessor, true)?, size(accessor.count))
+    };
+    read().map(Some).map_err(|message| format!("accessor {index} {message}"))
+}
+
+/// The sparse entries of an accessor of `count` entries, by their number; where two have one, the later.
+fn replaced<const N: usize>(
+    asset: &Asset,
+    accessor: &Accessor,
+    component: &Component,
+    count: usize,
+) -> Result<Vec<Entry<N>>, String> {
+    let Some(sparse) = &accessor.sparse else { return Ok(Vec::new()) };
+    let Checked::Valid(kind) = sparse.indices.component_type else {
+        return Err("replaces entries by an unknown component type".into());
+    };
+    let index = Component::new(kind.0, false);
+    let (at, with, entries) = (&sparse.indices, &sparse.values, size(sparse.count));
+    let indices = run(asset, at.buffer_view, size(at.byte_offset), entries, index.size, false)?;
+    let values = run(asset, with.buffer_view, size(with.byte_offset), entries, N * component.size, false)?;
+    let mut replaced = BTreeMap::new();
+    for (at, entry) in indices.entries().zip(values.entries()) {
+        let [at] = index.read::<1>(at);
+        if !(at >= 0.0 && at < count as f64) {
+            return Err(format!("replaces entry {at} of {count}"));
+        }
+        replaced.insert(at as usize, component.read(entry));
+    }
+    Ok(replaced.into_iter().collect())
+}
+
+fn component(accessor: &Accessor, scaled: bool) -> Result<Component, String> {
+    match accessor.component_type {
+        Checked::Valid(kind) => Ok(Component::new(kind.0, scaled && accessor.normalized)),
+        Checked::Invalid => Err("has an unknown component type".into()),
+    }
 }
 
 fn check_type(components: usize, found: &Checked<Type>) -> Result<(), String> {

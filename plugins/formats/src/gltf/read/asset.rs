@@ -1,5 +1,7 @@
 //! A glTF with all its bytes.
 
+use std::collections::{BTreeMap, HashSet};
+
 use gltf::json::{Index, Root, validation::USize64};
 use serde_json::Value;
 
@@ -13,11 +15,25 @@ pub struct Asset {
     /// The contents of its buffers.
     pub buffers: Vec<Vec<u8>>,
     /// The contents of compressed buffer views, by number.
-    pub decompressed: Vec<(usize, Vec<u8>)>,
+    pub decompressed: BTreeMap<usize, Vec<u8>>,
     /// The contents of accessors whose primitives are compressed, without gaps, by number.
-    pub unpacked: Vec<(usize, Vec<u8>)>,
+    pub unpacked: BTreeMap<usize, Vec<u8>>,
     /// Sentences about what was left out.
     pub warnings: Vec<String>,
+}
+
+/// Files that are small in their compressed form may still grow to this many bytes.
+const SMALL: usize = 1 << 28;
+
+/// What is compressed grows by less than this in files that hold anything: constant attributes by 16 to 60.
+const MAX_GROWTH: usize = 64;
+
+impl Asset {
+    /// The bytes that all compressed data may have together: a small file must not ask for all memory.
+    pub fn room(&self) -> usize {
+        let bytes: usize = self.buffers.iter().map(Vec::len).sum();
+        bytes.saturating_mul(MAX_GROWTH).max(SMALL)
+    }
 }
 
 /// The way out of most errors.
@@ -46,13 +62,14 @@ pub fn size(number: USize64) -> usize {
     usize::try_from(number.0).unwrap_or(usize::MAX)
 }
 
-/// Names between backticks with commas, each once.
+/// No message has more names than this.
+const MAX_QUOTED: usize = 40;
+
+/// Names between backticks with commas, each once; of many the first.
 pub fn quoted<S: AsRef<str>>(names: &[S]) -> String {
-    let mut seen: Vec<&str> = Vec::new();
-    for name in names.iter().map(AsRef::as_ref) {
-        if !seen.contains(&name) {
-            seen.push(name);
-        }
-    }
-    seen.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
+    let mut seen = HashSet::new();
+    let once: Vec<&str> = names.iter().map(AsRef::as_ref).filter(|name| seen.insert(*name)).collect();
+    let shown: Vec<String> = once.iter().take(MAX_QUOTED).map(|name| format!("`{name}`")).collect();
+    let more = once.len() - shown.len();
+    if more > 0 { format!("{} and {more} more", shown.join(", ")) } else { shown.join(", ") }
 }

@@ -13,17 +13,23 @@ use mimesh_core::mesh::{Mesh, Part};
 use nalgebra::{Matrix4, Point3};
 
 use super::{
-    accessor::{count, numbers, whole},
+    accessor::{count, has_data, numbers, whole},
     asset::{Asset, get},
     attributes::{Normals, Textures},
     evaluator::Run,
     materials,
-    morphs::{self, Moves, Name, Shape},
+    morphs::{self, Moves, Name, Shapes},
     primitive::{attribute, triangles},
     scene::Placed,
     skin::{Influences, Skin},
 };
 use crate::gltf::document::Transforms;
+
+/// Files with more vertices are refused: a small file that shows one mesh under many nodes must not ask for all memory.
+const MAX_VERTICES: usize = 1 << 26;
+
+/// More vertices than this need data of their own: without it they lie at 0 but for those that sparse entries move.
+const MAX_PLACELESS: usize = 1 << 16;
 
 /// The triangles of a primitive under a node.
 #[derive(Debug)]
@@ -59,14 +65,14 @@ pub struct Builder<'a> {
     /// The triangles.
     pub pieces: Vec<Piece>,
     /// Poses that morph targets make.
-    pub shapes: Vec<Shape>,
+    pub shapes: Shapes,
     skins: HashMap<usize, Arc<Skin>>,
 }
 
 impl<'a> Builder<'a> {
     /// Nothing yet.
     pub fn new(asset: &'a Asset) -> Self {
-        Self { asset, runs: Vec::new(), pieces: Vec::new(), shapes: Vec::new(), skins: HashMap::new() }
+        Self { asset, runs: Vec::new(), pieces: Vec::new(), shapes: Shapes::default(), skins: HashMap::new() }
     }
 
     /// Adds the mesh of a node.
@@ -137,24 +143,27 @@ impl<'a> Builder<'a> {
         names: &[Name],
     ) -> Result<usize, String> {
         let asset = self.asset;
+        let first = self.runs.last().map_or(0, |run| run.vertices.end);
+        let added = count(asset, position)?;
+        if added > MAX_VERTICES - first {
+            return Err(format!("there are more than {MAX_VERTICES} vertices; choose some meshes with `meshes`"));
+        }
+        if added > MAX_PLACELESS && !has_data(asset, position) {
+            return Err(format!("{added} positions have no data"));
+        }
         let stored: Vec<Point3<f64>> = numbers::<3>(asset, position)?.into_iter().map(Point3::from).collect();
         check_finite("positions", stored.iter().map(|position| position.coords.into()))?;
-        let first = self.runs.last().map_or(0, |run| run.vertices.end);
-        if first + stored.len() > u32::MAX as usize {
-            return Err("there are more than 2^32 vertices".into());
-        }
         let run = self.runs.len();
         let mut targets = Vec::new();
         for (number, target) in primitive.targets.iter().flatten().enumerate() {
             let mut moves = Moves::default();
             if let Some(accessor) = target.positions {
-                let all = numbers::<3>(asset, accessor)?;
-                if all.len() != stored.len() {
-                    return Err(format!("morph target {number} has {} vertices, the mesh {}", all.len(), stored.len()));
+                let entries = count(asset, accessor)?;
+                if entries != stored.len() {
+                    return Err(format!("morph target {number} has {entries} vertices, the mesh {}", stored.len()));
                 }
-                check_finite(&format!("displacements of morph target {number}"), all.iter().copied())?;
-                moves = Moves::new(&all);
-                morphs::add(&mut self.shapes, &names[number], run, number);
+                moves = Moves::read(asset, accessor).map_err(|message| format!("morph target {number}: {message}"))?;
+                self.shapes.add(&names[number], run, number);
             }
             targets.push(moves);
         }

@@ -12,7 +12,7 @@ use mimesh_core::mesh::Animation;
 use super::{
     accessor::numbers,
     asset::{Asset, follow, quoted},
-    morphs::distinct,
+    morphs::all_distinct,
     nodes::Local,
     sampler::Sampler,
 };
@@ -39,7 +39,7 @@ pub fn read(asset: &mut Asset) -> Vec<Clip> {
     let given = |(index, animation): (usize, &json::Animation)| {
         animation.name.clone().filter(|name| !name.is_empty()).unwrap_or_else(|| index.to_string())
     };
-    let names = distinct(animations.iter().enumerate().map(given));
+    let names = all_distinct(animations.iter().enumerate().map(given));
     let mut warnings = Vec::new();
     let mut clips = Vec::new();
     for (animation, name) in animations.iter().zip(names) {

@@ -1,5 +1,7 @@
 //! `KHR_draco_mesh_compression`: primitives whose accessors have no data of their own.
 
+use std::collections::BTreeMap;
+
 use draco_core::{DataType, DecodeLimits, DecoderBuffer, FaceIndex, Mesh, MeshDecoder, PointIndex};
 use gltf::json::{
     Accessor, Index,
@@ -22,8 +24,9 @@ pub const NAME: &str = "KHR_draco_mesh_compression";
 /// # Errors
 ///
 /// Names mesh and primitive that cannot be decoded, and the extension.
-pub fn unpack(asset: &Asset, is_needed: &dyn Fn(usize, usize) -> bool) -> Result<Vec<(usize, Vec<u8>)>, String> {
-    let mut unpacked = Vec::new();
+pub fn unpack(asset: &Asset, is_needed: &dyn Fn(usize, usize) -> bool) -> Result<BTreeMap<usize, Vec<u8>>, String> {
+    let mut unpacked = BTreeMap::new();
+    let mut room = asset.room();
     for (mesh_index, mesh) in asset.root.meshes.iter().enumerate() {
         for (index, primitive) in mesh.primitives.iter().enumerate() {
             let settings = primitive.extensions.as_ref().and_then(|extensions| extensions.others.get(NAME));
@@ -33,7 +36,13 @@ pub fn unpack(asset: &Asset, is_needed: &dyn Fn(usize, usize) -> bool) -> Result
             if position.is_none_or(|&position| has_data(asset, position)) {
                 continue;
             }
-            unpacked.extend(decode(asset, primitive, settings).map_err(|message| {
+            let decoded = decode(asset, primitive, settings).and_then(|decoded| {
+                let size = decoded.iter().map(|(_, bytes)| bytes.len()).sum();
+                let left = room.checked_sub(size);
+                room = left.ok_or_else(|| format!("all primitives together are more than {} bytes", asset.room()))?;
+                Ok(decoded)
+            });
+            unpacked.extend(decoded.map_err(|message| {
                 let name = mesh.name.as_deref().unwrap_or("without a name");
                 format!("mesh `{name}`, primitive {index} is compressed with {NAME} and cannot be decoded: {message}")
             })?);

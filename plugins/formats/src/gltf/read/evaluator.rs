@@ -12,7 +12,7 @@ use super::{
     nodes::{Local, MAX_NUMBER, Nodes, name},
     skin::{Influences, Skin},
 };
-use crate::gltf::document::Transforms;
+use crate::gltf::document::{RestingNode, Transforms};
 
 /// Vertices under one node that the same morph targets and joints move.
 #[derive(Debug)]
@@ -48,7 +48,7 @@ pub enum Morphs {
     None,
     /// Those of the clip, else those that the file stores.
     OfClip,
-    /// These targets of runs at 1, all others at 0.
+    /// These targets of runs at 1, all others at 0; in the order of the runs.
     Only(Vec<(usize, usize)>),
 }
 
@@ -115,10 +115,10 @@ impl Evaluator {
         self.runs.iter().map(of_run).collect()
     }
 
-    /// Whether morph targets move run `run` in a shape.
-    pub fn is_morphed(&self, run: usize, shape: &Shape) -> bool {
+    /// Whether morph targets move each run in a shape.
+    pub fn morphed(&self, shape: &Shape) -> Vec<bool> {
         let (_, weights) = self.state(shape);
-        self.targets(run, shape, &weights).next().is_some()
+        (0..self.runs.len()).map(|run| self.targets(run, shape, &weights).next().is_some()).collect()
     }
 
     /// Checks that the positions of a shape are finite.
@@ -145,13 +145,34 @@ impl Evaluator {
         (self.nodes.worlds(&locals), weights)
     }
 
+    /// The nodes that stand elsewhere in a shape than the file stores.
+    pub fn moved_nodes(&self, shape: &Shape) -> Vec<RestingNode> {
+        let Some((clip, seconds)) = shape.clip else { return Vec::new() };
+        let (mut locals, mut weights) = (self.nodes.locals.clone(), self.weights.clone());
+        self.clips[clip].apply(seconds, &mut locals, &mut weights);
+        let moved = locals.iter().zip(&self.nodes.locals).enumerate().filter(|(_, (local, stored))| local != stored);
+        moved
+            .filter_map(|(node, (local, _))| match local.in_parts() {
+                Local::Parts { translation, rotation, scale } => {
+                    Some(RestingNode { node, translation, rotation, scale })
+                }
+                Local::Matrix(_) => None,
+            })
+            .collect()
+    }
+
     /// The nodes that move vertices, and those of them whose morph targets do.
     pub fn moving_nodes(&self) -> (HashSet<usize>, HashSet<usize>) {
         let (mut nodes, mut morphing) = (HashSet::new(), HashSet::new());
         for run in &self.runs {
             let joints = run.skin.as_ref().map(|(skin, _)| &skin.joints[..]);
             for &node in joints.unwrap_or(&[run.node]) {
-                nodes.extend(self.nodes.with_ancestors(node));
+                // Above a node that was seen before all are known.
+                for node in self.nodes.with_ancestors(node) {
+                    if !nodes.insert(node) {
+                        break;
+                    }
+                }
             }
             if !run.targets.is_empty() {
                 morphing.insert(run.node);
@@ -175,7 +196,8 @@ impl Evaluator {
                 Box::new(weights.enumerate().filter(|(_, weight)| *weight != 0.0))
             }
             Morphs::Only(only) => {
-                Box::new(only.iter().filter(move |(of, _)| *of == run).map(|(_, target)| (*target, 1.0)))
+                let of_run = &only[only.partition_point(|(of, _)| *of < run)..];
+                Box::new(of_run.iter().take_while(move |(of, _)| *of == run).map(|(_, target)| (*target, 1.0)))
             }
         }
     }

@@ -68,7 +68,7 @@ fn is_look(name: &str) -> bool {
 /// The extension that holds the positions of a primitive whose accessor has none.
 fn without_data<'a>(asset: &'a Asset, primitive: &'a Primitive) -> Option<&'a str> {
     let position = super::primitive::attribute(primitive, gltf::json::mesh::Semantic::Positions)?;
-    let is_unpacked = asset.unpacked.iter().any(|(accessor, _)| *accessor == position.value());
+    let is_unpacked = asset.unpacked.contains_key(&position.value());
     if draco::has_data(asset, position) || is_unpacked {
         return None;
     }

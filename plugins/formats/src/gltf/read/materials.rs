@@ -4,21 +4,15 @@ use std::collections::HashSet;
 
 use mimesh_core::mesh;
 
-use super::asset::Asset;
+use super::{asset::Asset, morphs::all_distinct};
 
-/// The names of materials, or their numbers; a name that an earlier one has is told apart by the number.
+/// The names of materials, or their numbers; a name that an earlier one has is told apart by a number.
 pub fn names(materials: &[gltf::json::Material]) -> Vec<String> {
-    let mut names: Vec<String> = Vec::new();
-    for (index, material) in materials.iter().enumerate() {
-        names.push(match material.name.as_deref().filter(|name| !name.is_empty()) {
-            None => format!("material-{index}"),
-            Some(name) if materials[..index].iter().any(|earlier| earlier.name.as_deref() == Some(name)) => {
-                format!("{name}-{index}")
-            }
-            Some(name) => name.into(),
-        });
-    }
-    names
+    let given = |(index, material): (usize, &gltf::json::Material)| {
+        let name = material.name.clone().filter(|name| !name.is_empty());
+        name.unwrap_or_else(|| format!("material-{index}"))
+    };
+    all_distinct(materials.iter().enumerate().map(given))
 }
 
 /// The materials that are `used`, by number.

@@ -1,5 +1,7 @@
 //! `EXT_meshopt_compression` and `KHR_meshopt_compression`: buffer views that are compressed.
 
+use std::collections::BTreeMap;
+
 use gltf::json::{Root, buffer::View};
 use meshopt::{
     decode_filter_color, decode_filter_exp, decode_filter_oct, decode_filter_quat, decode_index_buffer,
@@ -19,14 +21,16 @@ const MAX_RATIO: usize = 4096;
 /// # Errors
 ///
 /// Names the buffer view that cannot be decoded.
-pub fn decompress(asset: &Asset) -> Result<Vec<(usize, Vec<u8>)>, String> {
-    let mut decompressed = Vec::new();
+pub fn decompress(asset: &Asset) -> Result<BTreeMap<usize, Vec<u8>>, String> {
+    let mut decompressed = BTreeMap::new();
+    let mut room = asset.room();
     for (index, view) in asset.root.buffer_views.iter().enumerate() {
         let Some((name, settings)) = compression(view) else { continue };
-        let decoded = decode(asset, settings);
+        let decoded = decode(asset, settings, room);
         let decoded =
             decoded.map_err(|message| format!("buffer view {index} cannot be decoded by {name}: {message}"))?;
-        decompressed.push((index, decoded));
+        room -= decoded.len();
+        decompressed.insert(index, decoded);
     }
     Ok(decompressed)
 }
@@ -42,7 +46,8 @@ fn compression(view: &View) -> Option<(&'static str, &Map<String, Value>)> {
     NAMES.into_iter().find_map(|name| Some((name, others.get(name)?.as_object()?)))
 }
 
-fn decode(asset: &Asset, settings: &Map<String, Value>) -> Result<Vec<u8>, String> {
+/// The contents of a view, of at most `room` bytes.
+fn decode(asset: &Asset, settings: &Map<String, Value>, room: usize) -> Result<Vec<u8>, String> {
     let number = |key: &str, default: Option<usize>| -> Result<usize, String> {
         let found = settings.get(key).filter(|value| !value.is_null());
         let Some(value) = found else { return default.ok_or_else(|| format!("`{key}` is missing")) };
@@ -57,7 +62,10 @@ fn decode(asset: &Asset, settings: &Map<String, Value>) -> Result<Vec<u8>, Strin
     let bytes = bytes.ok_or_else(|| format!("its data reach beyond buffer {buffer}"))?;
     let (stride, count) = (number("byteStride", None)?, number("count", None)?);
     let size = stride.checked_mul(count).filter(|&size| size <= (bytes.len() + 64).saturating_mul(MAX_RATIO));
-    size.ok_or_else(|| format!("{count} entries of {stride} bytes do not fit in {} bytes", bytes.len()))?;
+    let size = size.ok_or_else(|| format!("{count} entries of {stride} bytes do not fit in {} bytes", bytes.len()))?;
+    if size > room {
+        return Err(format!("with its {size} bytes all views together are more than {} bytes", asset.room()));
+    }
     let text =
         |key: &str, default: &'static str| settings.get(key).and_then(Value::as_str).unwrap_or(default).to_owned();
     let failed = |problem: meshopt::Error| problem.to_string();

@@ -1,9 +1,15 @@
 //! Morph targets: their names, and which of them are one pose.
 
-use gltf::json::Mesh;
+use std::collections::{HashMap, HashSet};
+
+use gltf::json::{Accessor, Index, Mesh};
 use serde_json::Value;
 
-use super::{asset::Asset, scene::Placed};
+use super::{
+    accessor::{few, numbers},
+    asset::Asset,
+    scene::Placed,
+};
 
 /// The displacements of a morph target, of those vertices that it moves.
 #[derive(Debug, Default)]
@@ -15,16 +21,34 @@ pub struct Moves {
 }
 
 impl Moves {
-    /// The displacements that are not 0.
-    pub fn new(all: &[[f64; 3]]) -> Self {
-        let moved = all.iter().enumerate().filter(|(_, displacement)| **displacement != [0.0; 3]);
+    /// Reads the displacements of an accessor.
+    ///
+    /// # Errors
+    ///
+    /// What is wrong with the accessor, or the vertex whose displacement is not finite.
+    pub fn read(asset: &Asset, accessor: Index<Accessor>) -> Result<Self, String> {
+        let moves = match few(asset, accessor)? {
+            Some(few) => Self::new(few),
+            None => Self::new(numbers(asset, accessor)?.into_iter().enumerate()),
+        };
+        match moves.displacements.iter().position(|displacement| !displacement.iter().all(|x| x.is_finite())) {
+            None => Ok(moves),
+            Some(entry) => {
+                Err(format!("vertex {} (from 0) has a displacement that is not finite", moves.vertices[entry]))
+            }
+        }
+    }
+
+    /// The displacements that are not 0, of vertices by number.
+    fn new(all: impl IntoIterator<Item = (usize, [f64; 3])>) -> Self {
+        let moved = all.into_iter().filter(|(_, displacement)| *displacement != [0.0; 3]);
         let (vertices, displacements) = moved.map(|(vertex, displacement)| (vertex as u32, displacement)).unzip();
         Self { vertices, displacements }
     }
 }
 
 /// The name of a morph target.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Eq, Hash, PartialEq)]
 pub enum Name {
     /// The file gives it; targets of one given name are one pose, on whatever meshes they are.
     Given(String),
@@ -34,27 +58,23 @@ pub enum Name {
 
 /// The names of the morph targets of a mesh: in `extras` of the mesh, else of a primitive, else of the accessors.
 ///
-/// A name that an earlier target of the mesh has is told apart by the number.
+/// A name that an earlier target of the mesh has is told apart by a number.
 pub fn names(asset: &Asset, mesh_index: usize, mesh: &Mesh) -> Vec<Name> {
     let json = &asset.json["meshes"][mesh_index];
     let primitives = json["primitives"].as_array().into_iter().flatten();
     let lists = std::iter::once(json).chain(primitives).filter_map(|object| object["extras"]["targetNames"].as_array());
     let lists: Vec<&Vec<Value>> = lists.collect();
     let count = mesh.primitives.iter().map(|primitive| primitive.targets.iter().flatten().count()).max().unwrap_or(0);
-    let mut names: Vec<Name> = Vec::new();
-    for target in 0..count {
+    let given = |target: usize| {
         let of_lists = lists.iter().find_map(|list| list.get(target)?.as_str().filter(|name| !name.is_empty()));
-        let given = of_lists.or_else(|| accessor_name(asset, mesh, target));
-        let name = given.map_or(Name::Numbered { mesh: mesh_index, target }, |given| Name::Given(given.to_owned()));
-        let name = match name {
-            Name::Given(given) if names.contains(&Name::Given(given.clone())) => {
-                Name::Given(format!("{given}-{target}"))
-            }
-            other => other,
-        };
-        names.push(name);
-    }
-    names
+        of_lists.or_else(|| accessor_name(asset, mesh, target)).map(str::to_owned)
+    };
+    let given: Vec<Option<String>> = (0..count).map(given).collect();
+    let name = |(target, name): (usize, Option<String>)| match name {
+        Some(name) => Name::Given(name),
+        None => Name::Numbered { mesh: mesh_index, target },
+    };
+    distinct(given).into_iter().enumerate().map(name).collect()
 }
 
 fn accessor_name<'a>(asset: &'a Asset, mesh: &Mesh, target: usize) -> Option<&'a str> {
@@ -71,11 +91,22 @@ pub struct Shape {
     pub targets: Vec<(usize, usize)>,
 }
 
-/// Adds target `target` of run `run`, called `name`, to the shape of that name.
-pub fn add(shapes: &mut Vec<Shape>, name: &Name, run: usize, target: usize) {
-    match shapes.iter_mut().find(|shape| shape.name == *name) {
-        Some(shape) => shape.targets.push((run, target)),
-        None => shapes.push(Shape { name: name.clone(), targets: vec![(run, target)] }),
+/// Poses that morph targets make, in the order in which their names come up.
+#[derive(Debug, Default)]
+pub struct Shapes {
+    /// The poses.
+    pub all: Vec<Shape>,
+    by_name: HashMap<Name, usize>,
+}
+
+impl Shapes {
+    /// Adds target `target` of run `run`, called `name`, to the shape of that name.
+    pub fn add(&mut self, name: &Name, run: usize, target: usize) {
+        let index = *self.by_name.entry(name.clone()).or_insert(self.all.len());
+        match self.all.get_mut(index) {
+            Some(shape) => shape.targets.push((run, target)),
+            None => self.all.push(Shape { name: name.clone(), targets: vec![(run, target)] }),
+        }
     }
 }
 
@@ -97,23 +128,29 @@ pub fn unique_names(shapes: &[Shape], placed: &[Placed]) -> Vec<String> {
             format!("{of_mesh}-target-{target}")
         }
     };
-    distinct(shapes.iter().map(name))
+    all_distinct(shapes.iter().map(name))
 }
 
-/// Names as they are; one that an earlier entry has gets the first number that makes it new.
-pub fn distinct(names: impl IntoIterator<Item = String>) -> Vec<String> {
-    let mut seen = std::collections::HashSet::new();
-    let mut unique = Vec::new();
-    for (index, name) in names.into_iter().enumerate() {
-        let mut candidate = name.clone();
-        let mut number = index;
-        while !seen.insert(candidate.clone()) {
-            candidate = format!("{name}-{number}");
-            number += 1;
+/// Names as they are; one that an earlier entry has gets the first number from its own on that makes it new.
+pub fn all_distinct(names: impl IntoIterator<Item = String>) -> Vec<String> {
+    distinct(names.into_iter().map(Some).collect()).into_iter().flatten().collect()
+}
+
+/// The names that there are as [`all_distinct`] has them.
+pub fn distinct(mut names: Vec<Option<String>>) -> Vec<Option<String>> {
+    let mut taken: HashSet<String> = names.iter().flatten().cloned().collect();
+    let mut seen = HashSet::new();
+    for (index, entry) in names.iter_mut().enumerate() {
+        let Some(name) = entry else { continue };
+        if seen.insert(name.clone()) {
+            continue;
         }
-        unique.push(candidate);
+        let mut numbered = (index..).map(|number| format!("{name}-{number}"));
+        let free = numbered.find(|name| !taken.contains(name)).expect("there are infinitely many");
+        taken.insert(free.clone());
+        *name = free;
     }
-    unique
+    names
 }
 
 #[cfg(test)]
@@ -121,14 +158,16 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_are_made_distinct() {
-        let names = ["a", "b", "a", "a-2", "a"].map(str::to_owned);
-        assert_eq!(distinct(names), ["a", "b", "a-2", "a-2-3", "a-4"]);
+    fn names_are_made_distinct_and_the_first_of_each_stays() {
+        let distinct = |names: &[&str]| all_distinct(names.iter().map(|name| (*name).to_owned()));
+        assert_eq!(distinct(&["a", "b", "a", "a-2", "a"]), ["a", "b", "a-3", "a-2", "a-4"]);
+        assert_eq!(distinct(&["a-2", "a", "a"]), ["a-2", "a", "a-3"]);
+        assert_eq!(distinct(&["M", "M", "M-1"]), ["M", "M-2", "M-1"]);
     }
 
     #[test]
     fn still_vertices_take_no_room() {
-        let moves = Moves::new(&[[0.0; 3], [0.0, 1.0, 0.0], [0.0; 3]]);
+        let moves = Moves::new([(0, [0.0; 3]), (1, [0.0, 1.0, 0.0]), (2, [0.0; 3])]);
         assert_eq!((moves.vertices, moves.displacements), (vec![1], vec![[0.0, 1.0, 0.0]]));
     }
 }

@@ -98,8 +98,12 @@ impl Asset {
             }
             None if length == 0 || meshopt::is_fallback(&self.root, index) => return Ok(Vec::new()),
             None => return Err(fail("has no data".into())),
+            Some(uri) if uri.is_empty() => return Err(fail("has an empty URI".into())),
             Some(uri) if uri.contains("://") && !uri.starts_with("data:") => {
-                let hint = "download it, and name the file beside the glTF instead";
+                let hint = match uri.starts_with("file:") {
+                    true => "name the file by its path from the glTF instead",
+                    false => "download it, and name the file beside the glTF instead",
+                };
                 return Err(Error::file(path, format!("buffer {index} lies at {uri}"), hint));
             }
             Some(uri) => match uri::data(uri) {

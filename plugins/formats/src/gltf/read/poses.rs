@@ -1,5 +1,7 @@
 //! The rest and the poses that a selection asks for.
 
+use std::collections::HashSet;
+
 use mimesh_core::{
     mesh::ClipTime,
     stage::{ClipChoice, ClipTimes, PoseChoice, RestShape},
@@ -9,7 +11,7 @@ use super::{
     asset::quoted,
     clips::{self, Clip},
     evaluator::{Evaluator, Morphs, Shape},
-    morphs::distinct,
+    morphs::all_distinct,
 };
 
 /// No clip is cut into more poses: such numbers come from a mistake in the frames a second or in the file.
@@ -35,12 +37,17 @@ pub struct Chosen {
     pub shape: Shape,
 }
 
-/// The shape of the rest.
+/// The shape of the rest; a time that a clip does not have is told in `warnings`.
 ///
 /// # Errors
 ///
 /// Names the shape or clip that the file does not have, and those that it has.
-pub fn rest(choice: &RestShape, shapes: &[NamedShape], clips: &[Clip]) -> Result<Shape, String> {
+pub fn rest(
+    choice: &RestShape,
+    shapes: &[NamedShape],
+    clips: &[Clip],
+    warnings: &mut Vec<String>,
+) -> Result<Shape, String> {
     match choice {
         RestShape::Stored => Ok(Shape::default()),
         RestShape::Pose(name) => {
@@ -58,6 +65,13 @@ pub fn rest(choice: &RestShape, shapes: &[NamedShape], clips: &[Clip]) -> Result
             let clip = clips::find(clips, name)?;
             if !seconds.is_finite() {
                 return Err(format!("time {seconds} of the clip `{name}`: expected a number of seconds"));
+            }
+            let [first, last] = clips[clip].span();
+            if *seconds > last + slack(last) || *seconds < first.min(0.0) {
+                let end = if *seconds > last { last } else { first };
+                warnings.push(format!(
+                    "the clip `{name}` has no time {seconds} s: the rest is that of {end} s, its nearest"
+                ));
             }
             Ok(Shape { clip: Some((clip, *seconds)), morphs: Morphs::OfClip })
         }
@@ -97,19 +111,22 @@ fn frames(choice: &ClipChoice, evaluator: &Evaluator, warnings: &mut Vec<String>
     if clips.is_empty() && choice.clips.is_empty() {
         return Err("the file has no clip".into());
     }
-    let chosen: Vec<usize> = match &choice.clips[..] {
+    let mut chosen: Vec<usize> = match &choice.clips[..] {
         [] => (0..clips.len()).collect(),
         names => names.iter().map(|name| clips::find(clips, name)).collect::<Result<_, _>>()?,
     };
+    let mut seen = HashSet::new();
+    chosen.retain(|clip| seen.insert(*clip));
     let (nodes, morphing) = evaluator.moving_nodes();
     let (mut frames, mut still) = (Vec::new(), Vec::new());
     for clip in chosen {
         let key_times = clips[clip].key_times(&nodes, &morphing);
-        let times = times(choice, &clips[clip], &key_times)?;
         let name = &clips[clip].name;
         if key_times.is_empty() {
             still.push(name.clone());
+            continue;
         }
+        let times = times(choice, &clips[clip], &key_times)?;
         // At least two digits, so that the names of a short clip do not change with its length.
         let digits = (times.len().max(1) - 1).to_string().len().max(2);
         for (number, &seconds) in times.iter().enumerate() {
@@ -122,15 +139,17 @@ fn frames(choice: &ClipChoice, evaluator: &Evaluator, warnings: &mut Vec<String>
             });
         }
     }
-    if frames.is_empty() {
-        return Err(format!("no key of the clips moves the mesh: {}", quoted(&still)));
-    }
     if !still.is_empty() {
         warnings.push(format!("clips that do not move the mesh: {}", quoted(&still)));
     }
-    let names = distinct(frames.iter().map(|frame| frame.name.clone()));
+    let names = all_distinct(frames.iter().map(|frame| frame.name.clone()));
     frames.iter_mut().zip(names).for_each(|(frame, name)| frame.name = name);
     Ok(frames)
+}
+
+/// Times of keys are f32, so that a given time up to `end` may miss one by its rounding.
+fn slack(end: f64) -> f64 {
+    1e-6 * end.max(1.0)
 }
 
 /// The times at which to look at a clip.
@@ -140,8 +159,7 @@ fn times(choice: &ClipChoice, clip: &Clip, key_times: &[f64]) -> Result<Vec<f64>
     if !(start <= end && end - start < f64::INFINITY) {
         return Err(format!("range {start} to {end} of the clip `{}`: expected a start before the end", clip.name));
     }
-    // Times of keys are f32, so that a given range may miss one by its rounding.
-    let slack = 1e-6 * start.abs().max(end.abs()).max(1.0);
+    let slack = slack(start.abs().max(end.abs()));
     if start > last + slack {
         return Err(format!("the clip `{}` ends at {last} s, before {start} s", clip.name));
     }

@@ -16,10 +16,13 @@ use super::{
     poses::{self, NamedShape},
     scene::{self, Placed},
 };
-use crate::gltf::document::{GltfDocument, Placement, Transforms};
+use crate::gltf::document::{GltfDocument, Placement, RestingNode, Transforms};
 
 /// The way out where a file has no part of a name.
-const CHOOSE: &str = "name a part that the file has; `mimesh inspect` lists meshes, morph targets and clips";
+const CHOOSE: &str = "name parts that the file has, by their nodes, meshes or materials";
+
+/// The way out where a file has no shape of a name.
+const CHOOSE_SHAPE: &str = "`mimesh inspect` lists the morph targets and clips of a file";
 
 /// Reads the chosen meshes of the default scene as one, in place, and the chosen poses.
 ///
@@ -29,12 +32,12 @@ const CHOOSE: &str = "name a part that the file has; `mimesh inspect` lists mesh
 pub fn read(input: &dyn FileInput, selection: &Selection) -> Result<MeshSequence> {
     let path = input.path();
     let damaged = |message: String| Error::file(path, message, DAMAGED);
-    let unknown = |message: String| Error::file(path, message, CHOOSE);
+    let unknown = |message: String| Error::file(path, message, CHOOSE_SHAPE);
 
     let mut asset = Asset::read(input)?;
     let nodes = Nodes::new(&asset).map_err(damaged)?;
     let mut placed = scene::placed(&asset).map_err(damaged)?;
-    scene::choose(&asset, &mut placed, &selection.meshes).map_err(unknown)?;
+    scene::choose(&asset, &mut placed, &selection.meshes).map_err(|message| Error::file(path, message, CHOOSE))?;
     let thin = scene::drop_thin(&asset, &mut placed);
     let needed: BTreeSet<(usize, usize)> =
         placed.iter().flat_map(|placed| placed.primitives.iter().map(|&primitive| (placed.mesh, primitive))).collect();
@@ -45,6 +48,7 @@ pub fn read(input: &dyn FileInput, selection: &Selection) -> Result<MeshSequence
         builder.add(placed).map_err(damaged)?;
     }
     let Builder { runs, pieces, shapes, .. } = builder;
+    let shapes = shapes.all;
     let names = morphs::unique_names(&shapes, &placed);
     let shapes: Vec<_> =
         shapes.into_iter().zip(names).map(|(shape, name)| NamedShape { name, targets: shape.targets }).collect();
@@ -53,9 +57,9 @@ pub fn read(input: &dyn FileInput, selection: &Selection) -> Result<MeshSequence
     let clips = clips::read(&mut asset);
     let animations = clips::list(&asset, &clips);
 
-    let rest = poses::rest(&selection.rest, &shapes, &clips).map_err(unknown)?;
-    let mut evaluator = Evaluator { nodes, weights, clips, runs, poses: Vec::new() };
     let mut warnings = std::mem::take(&mut asset.warnings);
+    let rest = poses::rest(&selection.rest, &shapes, &clips, &mut warnings).map_err(unknown)?;
+    let mut evaluator = Evaluator { nodes, weights, clips, runs, poses: Vec::new() };
     let chosen = poses::choose(&selection.poses, &rest, &shapes, &evaluator, &mut warnings).map_err(unknown)?;
     let of_clips = chosen.iter().map(|pose| &pose.shape).filter(|shape| shape.clip.is_some());
     for shape in of_clips.chain([&rest]) {
@@ -64,8 +68,7 @@ pub fn read(input: &dyn FileInput, selection: &Selection) -> Result<MeshSequence
     evaluator.poses = chosen.iter().map(|pose| pose.shape.clone()).collect();
 
     let transforms = evaluator.transforms(&rest);
-    let morphed: Vec<bool> = (0..evaluator.runs.len()).map(|run| evaluator.is_morphed(run, &rest)).collect();
-    let mut mesh = assemble(&asset, &pieces, &transforms, &morphed, &mut warnings);
+    let mut mesh = assemble(&asset, &pieces, &transforms, &evaluator.morphed(&rest), &mut warnings);
     mesh.positions = evaluator.shape(&rest);
     match mesh.validate() {
         Err(Error::Data { message, hint }) => return Err(Error::file(path, message, hint)),
@@ -74,7 +77,8 @@ pub fn read(input: &dyn FileInput, selection: &Selection) -> Result<MeshSequence
     asset.warnings = warnings;
     if selection.keep_document {
         let images = asset.read_images(input);
-        mesh.document = Document::new(document(&mut asset, images, &evaluator, &pieces, transforms));
+        let resting = evaluator.moved_nodes(&rest);
+        mesh.document = Document::new(document(&mut asset, images, &evaluator, &pieces, transforms, resting));
     }
     let evaluator = Arc::new(evaluator);
     let pose = |(index, pose): (usize, poses::Chosen)| Pose {
@@ -117,16 +121,19 @@ fn document(
     evaluator: &Evaluator,
     pieces: &[Piece],
     transforms: Vec<Transforms>,
+    resting: Vec<RestingNode>,
 ) -> GltfDocument {
-    let placement = |(index, (run, scene_from_stored)): (usize, (&Run, Transforms))| Placement {
+    let mut primitives = vec![Vec::new(); evaluator.runs.len()];
+    pieces.iter().for_each(|piece| primitives[piece.run].push(piece.primitive));
+    let placement = |((run, scene_from_stored), primitives): ((&Run, Transforms), Vec<usize>)| Placement {
         node: run.node,
         mesh: run.mesh,
-        primitives: pieces.iter().filter(|piece| piece.run == index).map(|piece| piece.primitive).collect(),
+        primitives,
         vertices: run.vertices.clone(),
         stored: run.stored.clone(),
         scene_from_stored,
     };
-    let placements = evaluator.runs.iter().zip(transforms).enumerate().map(placement);
+    let placements = evaluator.runs.iter().zip(transforms).zip(primitives).map(placement);
     let mut buffers = std::mem::take(&mut asset.buffers);
     for (buffer, described) in buffers.iter_mut().zip(&asset.root.buffers).filter(|(buffer, _)| !buffer.is_empty()) {
         // Padding that the file counts but does not hold.
@@ -139,6 +146,7 @@ fn document(
         decompressed: std::mem::take(&mut asset.decompressed),
         unpacked: std::mem::take(&mut asset.unpacked),
         placements: placements.collect(),
+        resting,
     }
 }
 

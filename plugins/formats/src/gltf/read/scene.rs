@@ -73,14 +73,14 @@ fn roots(asset: &Asset) -> Result<Vec<usize>, String> {
 ///
 /// # Errors
 ///
-/// Names a name that nothing has, and the meshes that there are.
+/// Names a name that nothing has, and the names that there are.
 pub fn choose(asset: &Asset, placed: &mut Vec<Placed>, names: &[String]) -> Result<(), String> {
     if names.is_empty() {
         return Ok(());
     }
     let materials = materials::names(&asset.root.materials);
     let mut known = HashSet::new();
-    let all: Vec<String> = placed.iter().map(|placed| placed.name.clone()).collect();
+    let mut all: [Vec<String>; 3] = Default::default();
     for placed in placed.iter_mut() {
         let mesh = &asset.root.meshes[placed.mesh];
         let mesh_name = mesh.name.as_deref().unwrap_or_default();
@@ -88,6 +88,8 @@ pub fn choose(asset: &Asset, placed: &mut Vec<Placed>, names: &[String]) -> Resu
             let primitive = &mesh.primitives[index];
             let material = primitive.material.and_then(|material| materials.get(material.value()));
             let own = [Some(placed.name.as_str()), Some(mesh_name), material.map(String::as_str)];
+            let named = all.iter_mut().zip(own);
+            named.for_each(|(all, name)| all.extend(name.filter(|name| !name.is_empty()).map(str::to_owned)));
             let chosen: Vec<_> = names.iter().filter(|name| own.contains(&Some(name.as_str()))).collect();
             known.extend(chosen.iter().copied());
             !chosen.is_empty()
@@ -96,7 +98,11 @@ pub fn choose(asset: &Asset, placed: &mut Vec<Placed>, names: &[String]) -> Resu
     placed.retain(|placed| !placed.primitives.is_empty());
     match names.iter().find(|name| !known.contains(name)) {
         None => Ok(()),
-        Some(name) => Err(format!("nothing in the file is called `{name}`: its meshes are {}", quoted(&all))),
+        Some(name) => {
+            let kinds = ["nodes", "meshes", "materials"].into_iter().zip(&all).filter(|(_, all)| !all.is_empty());
+            let lists: Vec<String> = kinds.map(|(kind, all)| format!("{kind} {}", quoted(all))).collect();
+            Err(format!("nothing in the file is called `{name}`: it has the {}", lists.join(", the ")))
+        }
     }
 }
 

@@ -17,7 +17,7 @@ pub fn data(uri: &str) -> Option<Result<Vec<u8>, String>> {
 
 /// Whether `uri` names a file beside the glTF: it neither holds the data itself nor leads elsewhere.
 pub fn is_file(uri: &str) -> bool {
-    !uri.starts_with("data:") && !uri.contains("://")
+    !uri.is_empty() && !uri.starts_with("data:") && !uri.contains("://")
 }
 
 /// A relative URI as a path: `%20` is a space.

@@ -62,7 +62,7 @@ pub fn run(
 ///
 /// Names the view if it reaches beyond its buffer.
 pub fn view_bytes(asset: &Asset, index: usize) -> Result<&[u8], String> {
-    if let Some((_, bytes)) = asset.decompressed.iter().find(|(number, _)| *number == index) {
+    if let Some(bytes) = asset.decompressed.get(&index) {
         return Ok(bytes);
     }
     let view = get(&asset.root.buffer_views, index, "buffer view")?;

@@ -90,7 +90,7 @@ fn compressed_views_are_written_out() {
             for (index, view) in views.iter_mut().enumerate() {
                 let start = view["byteOffset"].as_u64().unwrap() as usize;
                 let length = view["byteLength"].as_u64().unwrap() as usize;
-                document.decompressed.push((index, all[start..start + length].to_vec()));
+                document.decompressed.insert(index, all[start..start + length].to_vec());
                 view["buffer"] = 1.into();
                 view["extensions"] = json!({ "EXT_meshopt_compression": packed });
             }

@@ -106,10 +106,15 @@ impl Binary {
     /// Adds the times of keyframes, in seconds. The accessor.
     pub fn times(&mut self, times: &[f32]) -> io::Result<usize> {
         let values: Vec<_> = times.iter().map(|&time| [time]).collect();
-        let view = self.view(&bytes(&values), None)?;
-        let mut accessor = json!({ "bufferView": view, "componentType": F32, "count": times.len(), "type": "SCALAR" });
-        add_bounds(&mut accessor, &values);
-        Ok(self.accessor(accessor))
+        let accessor = self.keys(&values)?;
+        add_bounds(&mut self.accessors[accessor], &values);
+        Ok(accessor)
+    }
+
+    /// Adds the values of keyframes. The accessor.
+    pub fn keys<const N: usize>(&mut self, values: &[[f32; N]]) -> io::Result<usize> {
+        let view = self.view(&bytes(values), None)?;
+        Ok(self.accessor(json!({ "bufferView": view, "componentType": F32, "count": values.len(), "type": kind(N) })))
     }
 
     /// Adds weights of `width` morph targets at keys: at key i target `targets[i]` has 1 and all others 0. The accessor.

@@ -44,7 +44,8 @@ fn rest_bytes(corners: usize, vertices: usize) -> u64 {
 
 /// All bytes that a file brings with it.
 fn bytes_of(document: &GltfDocument) -> u64 {
-    let parts = document.images.iter().chain(&document.decompressed).chain(&document.unpacked).map(|(_, bytes)| bytes);
+    let images = document.images.iter().map(|(_, bytes)| bytes);
+    let parts = images.chain(document.decompressed.values()).chain(document.unpacked.values());
     document.buffers.iter().chain(parts).map(|bytes| bytes.len() as u64).sum()
 }
 

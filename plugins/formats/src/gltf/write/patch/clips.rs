@@ -10,7 +10,7 @@ use super::{
     stored::{entries, list, number},
 };
 use crate::gltf::{
-    document::GltfDocument,
+    document::{GltfDocument, RestingNode},
     write::{binary::Binary, pose_clips::PoseClip},
 };
 
@@ -112,6 +112,9 @@ fn longer_output(
 
 /// Adds `clips` for the meshes of `nodes`, which have `added` new targets after their others.
 ///
+/// Where the mesh rests in a clip of the file, new targets move it right on the skeleton of that time: the new clips hold it there,
+/// as `resting` has it.
+///
 /// # Errors
 ///
 /// Those of the temporary file.
@@ -122,6 +125,7 @@ pub fn add(
     nodes: &[Shown],
     totals: &HashMap<usize, usize>,
     added: usize,
+    resting: &[RestingNode],
 ) -> io::Result<()> {
     for clip in clips {
         let name = {
@@ -154,10 +158,36 @@ pub fn add(
             };
             channels.push(json!({ "sampler": sampler, "target": { "node": shown.node, "path": "weights" } }));
         }
+        hold(resting, binary, &mut samplers, &mut channels)?;
         let animation = json!({ "name": name, "samplers": samplers, "channels": channels });
         match json.get_mut("animations").and_then(Value::as_array_mut) {
             Some(animations) => animations.push(animation),
             None => json["animations"] = json!([animation]),
+        }
+    }
+    Ok(())
+}
+
+/// Adds a channel of one key for each property of nodes that are held where they are at rest.
+fn hold(
+    resting: &[RestingNode],
+    binary: &mut Binary,
+    samplers: &mut Vec<Value>,
+    channels: &mut Vec<Value>,
+) -> io::Result<()> {
+    if resting.is_empty() {
+        return Ok(());
+    }
+    let input = binary.times(&[0.0])?;
+    for RestingNode { node, translation, rotation, scale } in resting {
+        let outputs = [
+            ("translation", binary.keys(&[translation.map(|x| x as f32)])?),
+            ("rotation", binary.keys(&[rotation.map(|x| x as f32)])?),
+            ("scale", binary.keys(&[scale.map(|x| x as f32)])?),
+        ];
+        for (path, output) in outputs {
+            channels.push(json!({ "sampler": samplers.len(), "target": { "node": node, "path": path } }));
+            samplers.push(json!({ "input": input, "interpolation": "LINEAR", "output": output }));
         }
     }
     Ok(())

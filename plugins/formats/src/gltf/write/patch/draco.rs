@@ -42,7 +42,7 @@ pub fn unpack(document: &GltfDocument, json: &mut Value, binary: &mut Binary) ->
         }
     }
     let has_data = |accessor: usize| binary.accessors.get(accessor).is_some_and(|a| a.get("bufferView").is_some());
-    let is_unpacked = |accessor: usize| document.unpacked.iter().any(|(other, _)| *other == accessor);
+    let is_unpacked = |accessor: usize| document.unpacked.contains_key(&accessor);
     for (index, mesh) in json.get_mut("meshes").and_then(Value::as_array_mut).into_iter().flatten().enumerate() {
         let gets_targets = document.placements.iter().any(|placement| placement.mesh == index);
         for primitive in mesh.get_mut("primitives").and_then(Value::as_array_mut).into_iter().flatten() {
@@ -103,7 +103,7 @@ mod tests {
             json!({ "componentType": 5121, "count": 3, "type": "SCALAR" }),
             json!({ "componentType": 5121, "count": 2, "type": "VEC3" }),
         ];
-        let unpacked = vec![(0, vec![1, 5, 3, 4, 2, 6]), (1, vec![0, 1, 0])];
+        let unpacked = [(0, vec![1, 5, 3, 4, 2, 6]), (1, vec![0, 1, 0])].into();
         let document = GltfDocument { unpacked, ..GltfDocument::default() };
         unpack(&document, &mut json, &mut binary).unwrap();
         assert_eq!(json["meshes"][0]["primitives"][0], json!({ "attributes": { "POSITION": 0 }, "indices": 1 }));

@@ -1,5 +1,7 @@
 //! Whether the placements of a document describe a mesh, and which nodes show a mesh of the file.
 
+use std::collections::HashMap;
+
 use mimesh_core::mesh::Mesh;
 use serde_json::Value;
 
@@ -67,10 +69,12 @@ pub struct Shown {
 /// The nodes of all placements, in order.
 pub fn shown(document: &GltfDocument) -> Vec<Shown> {
     let mut nodes: Vec<Shown> = Vec::new();
-    for (index, placement) in document.placements.iter().enumerate() {
-        match nodes.iter_mut().find(|shown| shown.node == placement.node) {
+    let mut entries = HashMap::new();
+    for (index, &Placement { node, mesh, .. }) in document.placements.iter().enumerate() {
+        let entry = *entries.entry(node).or_insert(nodes.len());
+        match nodes.get_mut(entry) {
             Some(shown) => shown.placements.push(index),
-            None => nodes.push(Shown { node: placement.node, mesh: placement.mesh, placements: vec![index] }),
+            None => nodes.push(Shown { node, mesh, placements: vec![index] }),
         }
     }
     nodes

@@ -48,9 +48,9 @@ impl NewTargets<'_> {
     /// A mesh that several nodes show with different targets is copied for all nodes but the first of these.
     pub fn apply(&self, nodes: &[Shown], json: &mut Value, binary: &mut Binary, zeros: &mut Zeros) {
         let originals = list(json, "meshes").to_vec();
-        for (index, shown) in nodes.iter().enumerate() {
+        for (shown, first) in nodes.iter().zip(firsts(nodes)) {
             let original = &originals[shown.mesh];
-            let mesh = match nodes[..index].iter().find(|earlier| earlier.mesh == shown.mesh) {
+            let mesh = match first {
                 Some(first) if self.same(first, shown) => continue,
                 Some(_) => {
                     let meshes = json["meshes"].as_array_mut().expect("the placements are of meshes of this list");
@@ -85,11 +85,9 @@ impl NewTargets<'_> {
     pub fn warnings(&self, nodes: &[Shown]) -> Vec<String> {
         let json = &self.document.json;
         let quoted = |shown: &Shown| format!("`{}`", mesh_name(json, shown.mesh));
-        let copied = nodes.iter().enumerate().filter(|(index, shown)| {
-            let first = nodes[..*index].iter().find(|earlier| earlier.mesh == shown.mesh);
-            first.is_some_and(|first| !self.same(first, shown))
-        });
-        let copied: BTreeSet<_> = copied.map(|(_, shown)| quoted(shown)).collect();
+        let copied = nodes.iter().zip(firsts(nodes));
+        let copied = copied.filter(|(shown, first)| first.is_some_and(|first| !self.same(first, shown)));
+        let copied: BTreeSet<_> = copied.map(|(shown, _)| quoted(shown)).collect();
         let copied: Vec<_> = copied.into_iter().collect();
         let extras = |shown: &Shown| list(json, "meshes")[shown.mesh].get("extras");
         let taken = nodes.iter().filter(|shown| extras(shown).is_some_and(|e| !e.is_null() && !e.is_object()));
@@ -161,6 +159,14 @@ impl NewTargets<'_> {
         }
         None
     }
+}
+
+/// For each node the first one before it that shows the same mesh.
+fn firsts(nodes: &[Shown]) -> Vec<Option<&Shown>> {
+    let mut of_mesh = HashMap::new();
+    let mut first =
+        |shown: &Shown, index: usize| Some(*of_mesh.entry(shown.mesh).or_insert(index)).filter(|&i| i < index);
+    nodes.iter().enumerate().map(|(index, shown)| first(shown, index).map(|i| &nodes[i])).collect()
 }
 
 /// Brings the weights of a mesh or node to one a target, if there are any.

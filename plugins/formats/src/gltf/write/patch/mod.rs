@@ -109,6 +109,10 @@ impl SequenceWriter for PatchWriter {
         warnings
     }
 
+    fn renamed(&self) -> &[(String, String)] {
+        &self.names.renamed
+    }
+
     fn finish(mut self: Box<Self>, out: &mut dyn Write) -> Result<(), WriteError> {
         let Some(document) = document(&self.mesh) else { unreachable!("the writer was made for a document") };
         if !self.poses.names.is_empty() {
@@ -118,7 +122,8 @@ impl SequenceWriter for PatchWriter {
             let totals: HashMap<usize, usize> = new.meshes(&nodes, &self.json).collect();
             clips::lengthen(document, &mut self.json, &mut self.binary, &totals)?;
             let clips = self.poses.clips(self.options.animation, self.options.frames_per_second);
-            clips::add(&mut self.json, &mut self.binary, clips, &nodes, &totals, self.poses.names.len())?;
+            let added = self.poses.names.len();
+            clips::add(&mut self.json, &mut self.binary, clips, &nodes, &totals, added, &document.resting)?;
         }
         buffers::settle(&mut self.json, &mut self.binary);
         output::write(self.json, self.binary, self.options.binary, out)

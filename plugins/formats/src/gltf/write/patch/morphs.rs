@@ -1,6 +1,6 @@
 //! The accessors of new morph targets, pose by pose.
 
-use std::io;
+use std::{collections::HashMap, io};
 
 use mimesh_core::mesh::Mesh;
 use nalgebra::Point3;
@@ -23,11 +23,16 @@ use crate::{
 pub struct Morphs {
     places: Vec<Place>,
     normals: Option<PosedNormals>,
+    /// For each placement a number that those of the same primitives share.
+    sources: Vec<usize>,
     /// One a placement, one a pose.
     pub targets: Vec<Vec<Target>>,
     /// The accessors of those that do not move.
     pub zeros: Zeros,
 }
+
+/// The displacements of the vertices of a placement.
+type Moves = Vec<[f32; 3]>;
 
 /// The normals of the groups of corners at rest and in a pose.
 struct GroupNormals<'a> {
@@ -42,7 +47,13 @@ impl Morphs {
         let of_places = normals.as_ref().map(|(normals, corners)| (normals, corners));
         let places = document.placements.iter().map(|placement| Place::new(document, placement, mesh, of_places));
         let places: Vec<_> = places.collect();
+        let mut sources = HashMap::new();
+        let mut source = |placement: &Placement| {
+            let next = sources.len();
+            *sources.entry((placement.mesh, placement.primitives.clone())).or_insert(next)
+        };
         Self {
+            sources: document.placements.iter().map(&mut source).collect(),
             targets: vec![Vec::new(); places.len()],
             normals: normals.map(|(normals, _)| normals),
             places,
@@ -66,21 +77,23 @@ impl Morphs {
     ) -> io::Result<()> {
         let normals = self.normals.as_ref();
         let normals = normals.map(|all| GroupNormals { rest: all.rest(), posed: all.of_groups(mesh, positions) });
-        let mut all_moves: Vec<Vec<[f32; 3]>> = Vec::new();
+        // By source the moves that differ, each with the first placement that has them.
+        let mut seen: HashMap<usize, Vec<(usize, Moves)>> = HashMap::new();
         for (index, placement) in document.placements.iter().enumerate() {
             let range = placement.vertices.clone();
             let place = &mut self.places[index];
             let moves = place.displacements(&positions[range]);
-            let twin = document.placements[..index].iter().zip(&all_moves).position(|(other, other_moves)| {
-                (other.mesh, &other.primitives) == (placement.mesh, &placement.primitives)
-                    && equal_in_file(&moves, other_moves, placement)
-            });
+            let of_source = seen.entry(self.sources[index]).or_default();
+            let twin = of_source.iter().find(|(_, other)| equal_in_file(&moves, other, placement));
             let target = match twin {
-                Some(twin) => self.targets[twin].last().expect("it was added just now").clone(),
-                None => target(place, placement, &moves, normals.as_ref(), binary, &mut self.zeros)?,
+                Some(&(twin, _)) => self.targets[twin].last().expect("it was added just now").clone(),
+                None => {
+                    let target = target(place, placement, &moves, normals.as_ref(), binary, &mut self.zeros)?;
+                    of_source.push((index, moves));
+                    target
+                }
             };
             self.targets[index].push(target);
-            all_moves.push(moves);
         }
         Ok(())
     }

@@ -16,7 +16,8 @@ use super::{
 pub fn existing(json: &Value, index: usize) -> Vec<String> {
     let given = given(json, index);
     let has_unnamed = |mesh: &usize| self::given(json, *mesh).contains(&None);
-    let alone = (0..list(json, "meshes").len()).filter(has_unnamed).nth(1).is_none();
+    let is_complete = !given.contains(&None);
+    let alone = is_complete || (0..list(json, "meshes").len()).filter(has_unnamed).nth(1).is_none();
     let numbered = |target: usize| {
         if alone { format!("target-{target}") } else { format!("{}-target-{target}", shown_name(json, index)) }
     };

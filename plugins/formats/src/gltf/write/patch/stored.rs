@@ -38,7 +38,7 @@ pub fn entries(document: &GltfDocument, index: usize) -> Option<Entries> {
     let accessor = list(&document.json, "accessors").get(index)?;
     let count = number(accessor, "count")?;
     let size = entry_size(accessor)?;
-    if let Some((_, bytes)) = document.unpacked.iter().find(|(accessor, _)| *accessor == index) {
+    if let Some(bytes) = document.unpacked.get(&index) {
         return Some(Entries { bytes: bytes.clone(), size })
             .filter(|entries| Some(entries.bytes.len()) == count.checked_mul(size));
     }
@@ -124,7 +124,7 @@ const MAX_ZEROS: usize = 1 << 28;
 
 /// The bytes of a view: unpacked if it is compressed.
 fn view(document: &GltfDocument, index: usize) -> Option<&[u8]> {
-    if let Some((_, bytes)) = document.decompressed.iter().find(|(view, _)| *view == index) {
+    if let Some(bytes) = document.decompressed.get(&index) {
         return Some(bytes);
     }
     let view = list(&document.json, "bufferViews").get(index)?;
@@ -206,7 +206,7 @@ mod tests {
         let accessor = json!({ "bufferView": 0, "componentType": 5121, "count": 2, "type": "SCALAR" });
         let mut document = document(accessor, json!([{ "buffer": 5, "byteLength": 1 }]), &[]);
         assert!(entries(&document, 0).is_none());
-        document.decompressed = vec![(0, vec![3, 4])];
+        document.decompressed = [(0, vec![3, 4])].into();
         assert_eq!(entries(&document, 0).unwrap().bytes, [3, 4]);
     }
 
