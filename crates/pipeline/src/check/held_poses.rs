@@ -116,7 +116,7 @@ pub(super) fn frames(scope: Scope<'_>, found: &mut Findings, mesh: &mut RestMesh
 }
 
 /// The way out where clips give no poses.
-const STILL: &str = "name another clip; `mimesh inspect` lists the clips of a file";
+const STILL: &str = "name another clip, or other times";
 
 /// The poses that a file among those of the source holds: all of one that holds poses, else the mesh in it.
 pub(super) fn poses_in(

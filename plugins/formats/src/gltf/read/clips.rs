@@ -12,7 +12,7 @@ use mimesh_core::mesh::Animation;
 use super::{
     accessor::numbers,
     asset::{Asset, follow, quoted},
-    morphs::all_distinct,
+    names::all_distinct,
     nodes::Local,
     sampler::Sampler,
 };

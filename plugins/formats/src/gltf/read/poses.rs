@@ -11,7 +11,7 @@ use super::{
     asset::quoted,
     clips::{self, Clip},
     evaluator::{Evaluator, Morphs, Shape},
-    morphs::all_distinct,
+    names::all_distinct,
 };
 
 /// No clip is cut into more poses: such numbers come from a mistake in the frames a second or in the file.
