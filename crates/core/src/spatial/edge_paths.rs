@@ -96,7 +96,7 @@ impl EdgePaths {
     }
 
     /// The vertices one step from `v`, with the lengths of the steps.
-    pub(super) fn neighbours(&self, v: u32) -> &[(u32, f64)] {
+    pub fn neighbours(&self, v: u32) -> &[(u32, f64)] {
         &self.neighbours[self.starts[v as usize] as usize..self.starts[v as usize + 1] as usize]
     }
 }

@@ -1,3 +1,5 @@
+use serde::{Deserialize, Serialize};
+
 use super::ProximityGraph;
 use crate::{
     Error, Result,
@@ -18,7 +20,7 @@ pub struct TransferPair<'a> {
 }
 
 /// A point of the source and the corresponding point of the target.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub struct Marker {
     /// A name for messages: the user's, or the marker's number in its file.
     pub name: String,

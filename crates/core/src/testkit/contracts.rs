@@ -9,6 +9,7 @@ pub use super::{
     format::format,
     generator::generator,
     key_points::key_points,
+    landmarks::landmarks,
     metric::metric,
     proximity::proximity,
     registered::{described, keeps, round_trips},

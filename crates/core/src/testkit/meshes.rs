@@ -120,6 +120,46 @@ pub fn capsule(around: usize, along: usize, height: f64) -> Surface {
     revolve(around, &rings, -1.0, height + 1.0)
 }
 
+/// An animal of blocks: a trunk along z with four legs down y, a neck up and forward, and a head; `[legs, neck, head]` are the lengths
+/// of these limbs, in widths of a leg. Squares of a third of a leg's width, two triangles each.
+pub fn blocky_animal([legs, neck, head]: [i32; 3]) -> Surface {
+    const FINE: i32 = 3;
+    let mut blocks = vec![([0, legs, 0], [3, legs + 2, 7])];
+    blocks.extend([0, 2].into_iter().flat_map(|x| [0, 6].map(|z| ([x, 0, z], [x + 1, legs, z + 1]))));
+    blocks.push(([1, legs + 2, 6], [2, legs + 2 + neck, 7]));
+    blocks.push(([1, legs + 1 + neck, 7], [2, legs + 2 + neck, 7 + head]));
+    let is_filled = |cell: [i32; 3]| {
+        let cell = cell.map(|c| c.div_euclid(FINE));
+        blocks.iter().any(|(low, high)| (0..3).all(|k| (low[k]..high[k]).contains(&cell[k])))
+    };
+    let extent = [3, legs + 2 + neck, 7 + head].map(|e| FINE * e);
+    let mut numbers = BTreeMap::new();
+    let (mut positions, mut triangles) = (Vec::new(), Vec::new());
+    let cells = (0..extent[0]).flat_map(|x| (0..extent[1]).flat_map(move |y| (0..extent[2]).map(move |z| [x, y, z])));
+    for cell in cells.filter(|cell| is_filled(*cell)) {
+        for (axis, up) in (0..3).flat_map(|axis| [(axis, false), (axis, true)]) {
+            let mut beside = cell;
+            beside[axis] += if up { 1 } else { -1 };
+            if is_filled(beside) {
+                continue;
+            }
+            let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
+            let [a, b, c, d] = [[0, 0], [1, 0], [1, 1], [0, 1]].map(|[i, j]| {
+                let mut corner = cell;
+                corner[axis] += i32::from(up);
+                corner[u] += i;
+                corner[v] += j;
+                *numbers.entry(corner).or_insert_with(|| {
+                    positions.push(Point3::from(corner.map(f64::from)) / f64::from(FINE));
+                    positions.len() as u32 - 1
+                })
+            });
+            triangles.extend(if up { [[a, b, c], [a, c, d]] } else { [[a, c, b], [a, d, c]] });
+        }
+    }
+    surface(positions, triangles)
+}
+
 /// Two unit spheres, the second moved by 3 along x: two components of equal size, vertices of the first first.
 pub fn two_components() -> Surface {
     let sphere = icosphere(1);

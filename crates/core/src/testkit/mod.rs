@@ -8,6 +8,7 @@ mod deformer;
 mod format;
 mod generator;
 mod key_points;
+mod landmarks;
 pub mod meshes;
 mod metric;
 mod proximity;

@@ -6,15 +6,15 @@ use serde_json::Value;
 
 use super::{
     clusterer::clusterer, correspondence::correspondence, deformer::deformer, format::format, generator::generator,
-    key_points::key_points, metric::metric, proximity::proximity, sampler::sampler, transfer::transfer,
-    weights::weights,
+    key_points::key_points, landmarks::landmarks, metric::metric, proximity::proximity, sampler::sampler,
+    transfer::transfer, weights::weights,
 };
 use crate::{
     Plugin,
     plugin::{self, StageKind, ranges::check_values},
     stage::{
-        Clusterer, Correspondence, Deformer, Format, Generator, KeyPoints, Metric, Proximity, Sampler, Transfer,
-        Weights,
+        Clusterer, Correspondence, Deformer, Format, Generator, KeyPoints, Landmarks, Metric, Proximity, Sampler,
+        Transfer, Weights,
     },
 };
 
@@ -42,6 +42,7 @@ pub fn keeps(stage: &str, name: &str) {
         "deformer" => deformer(name, &*own::<dyn Deformer>(name)),
         "format" => format(name, &*own::<dyn Format>(name)),
         "key_points" => key_points(name, &*own::<dyn KeyPoints>(name)),
+        "landmarks" => landmarks(name, &*own::<dyn Landmarks>(name)),
         "metric" => metric(name, &*own::<dyn Metric>(name)),
         "proximity" => proximity(name, &*own::<dyn Proximity>(name)),
         "generator" => generator(name, &*own::<dyn Generator>(name)),
