@@ -32,6 +32,7 @@ mod bundled {
     use mimesh_formats as _;
     use mimesh_generators as _;
     use mimesh_key_points as _;
+    use mimesh_landmarks as _;
     use mimesh_metrics as _;
     use mimesh_proximity as _;
     use mimesh_samplers as _;

@@ -1,0 +1,156 @@
+//! Which limb of one shape is which of another, under each quarter turn of their axes.
+
+use nalgebra::{Matrix3, Point3, Vector3, Vector6};
+use rayon::prelude::*;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::{
+    assignment::assign,
+    shape::Shape,
+    turn::{in_box, quarter_turns},
+};
+
+/// Fewer pairs say too little.
+const MIN_PAIRS: usize = 3;
+
+/// How a difference of mean distances compares to one of places in the bounding box.
+const FAR: f64 = 0.5;
+
+/// How normals compare to places in the bounding box, where shapes are laid on each other.
+const NORMALS: f64 = 0.1;
+
+/// What a limb without partner adds to a score.
+const UNPAIRED: f64 = 0.05;
+
+/// Every so manieth point is laid on the other shape; more tell the same.
+const STRIDE: usize = 4;
+
+/// How far limbs may differ and still be the same.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema, Serialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Limits {
+    /// The largest difference of two limbs that are the same: of their places in the bounding box, whose sides are 1, and half that
+    /// of their mean distances.
+    #[schemars(range(min = 0.0))]
+    pub place: f64,
+    /// The largest difference of a limb's distances to the others, on average and relative to the longest.
+    #[schemars(range(min = 0.0))]
+    pub distance: f64,
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self { place: 0.6, distance: 0.15 }
+    }
+}
+
+/// Limbs paired under one turn of the source.
+#[derive(Clone, Debug)]
+pub struct Match {
+    /// The turn of the source.
+    pub turn: Matrix3<f64>,
+    /// The limbs paired, ascending by that of the source.
+    pub pairs: Vec<LimbPair>,
+    /// The mean cost of the pairs.
+    pub place: f64,
+    /// The mean misfit of the pairs.
+    pub distance: f64,
+    /// How far the shapes lie from each other when they fill the same box.
+    pub overlap: f64,
+    /// Limbs of both shapes without partner.
+    pub unpaired: usize,
+}
+
+/// A limb of the source and one of the target.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LimbPair {
+    /// The limb of the source.
+    pub source: usize,
+    /// The limb of the target.
+    pub target: usize,
+    /// The mean difference of its distances to the others, relative to the longest.
+    pub misfit: f64,
+}
+
+impl Match {
+    /// How badly the shapes fit; 0 is perfect.
+    pub fn score(&self) -> f64 {
+        self.place + self.distance + self.overlap + UNPAIRED * self.unpaired as f64
+    }
+}
+
+/// The matches of two shapes under all turns that pair limbs, best first.
+pub fn matches(source: &Shape, target: &Shape, limits: Limits) -> Vec<Match> {
+    let turns = quarter_turns();
+    let mut all: Vec<Match> =
+        turns.into_par_iter().filter_map(|turn| match_under(source, target, turn, limits)).collect();
+    // The sort is stable: of equal ones the least turned comes first.
+    all.sort_by(|a, b| a.score().total_cmp(&b.score()));
+    all
+}
+
+fn match_under(source: &Shape, target: &Shape, turn: Matrix3<f64>, limits: Limits) -> Option<Match> {
+    let turned: Vec<Point3<f64>> = source.cloud.places.iter().map(|p| turn * p).collect();
+    let (a, b) = (in_box(&turned, 0.0), in_box(&target.cloud.places, 0.0));
+    let cost = |i: usize, j: usize| {
+        let (i, j) = (source.limbs[i].tip, target.limbs[j].tip);
+        (a[i] - b[j]).norm() + FAR * (source.far[i] - target.far[j]).abs()
+    };
+    let mut pairs = assign(source.limbs.len(), target.limbs.len(), limits.place, cost);
+    let mut misfits = misfits(source, target, &pairs);
+    while pairs.len() > MIN_PAIRS
+        && let Some(worst) = (0..pairs.len()).reduce(|w, k| if misfits[k] > misfits[w] { k } else { w })
+        && misfits[worst] >= limits.distance
+    {
+        pairs.remove(worst);
+        misfits = self::misfits(source, target, &pairs);
+    }
+    if pairs.len() < MIN_PAIRS {
+        return None;
+    }
+    let count = pairs.len() as f64;
+    let normals: Vec<_> = source.cloud.normals.iter().map(|n| turn * n).collect();
+    let (x, y) = (with_normals(&a, &normals), with_normals(&b, &target.cloud.normals));
+    Some(Match {
+        turn,
+        place: pairs.iter().map(|&(i, j)| cost(i, j)).sum::<f64>() / count,
+        distance: misfits.iter().sum::<f64>() / count,
+        overlap: (mean_to_nearest(&x, &y) + mean_to_nearest(&y, &x)) / 2.0,
+        unpaired: source.limbs.len() + target.limbs.len() - 2 * pairs.len(),
+        pairs: pairs
+            .into_iter()
+            .zip(misfits)
+            .map(|((source, target), misfit)| LimbPair { source, target, misfit })
+            .collect(),
+    })
+}
+
+/// For each pair the mean difference of its distances to the others, once those of the source are scaled to those of the target.
+fn misfits(source: &Shape, target: &Shape, pairs: &[(usize, usize)]) -> Vec<f64> {
+    let of = |(i, j): (usize, usize), (k, l): (usize, usize)| (source.between(i, k), target.between(j, l));
+    let all = || pairs.iter().flat_map(|&p| pairs.iter().map(move |&q| of(p, q)));
+    let squares: f64 = all().map(|(x, _)| x * x).sum();
+    let scale = if squares > 0.0 { all().map(|(x, y)| x * y).sum::<f64>() / squares } else { 1.0 };
+    let difference = |p, q| {
+        let (x, y) = of(p, q);
+        (scale * x - y).abs()
+    };
+    pairs.iter().map(|&p| pairs.iter().map(|&q| difference(p, q)).sum::<f64>() / pairs.len() as f64).collect()
+}
+
+/// Places and normals as one vector.
+fn with_normals(places: &[Vector3<f64>], normals: &[Vector3<f64>]) -> Vec<Vector6<f64>> {
+    let joined = |(p, n): (&Vector3<f64>, &Vector3<f64>)| {
+        let n = n * NORMALS;
+        Vector6::new(p.x, p.y, p.z, n.x, n.y, n.z)
+    };
+    places.iter().zip(normals).map(joined).collect()
+}
+
+/// The mean distance of points of `from` to the nearest of `to`.
+fn mean_to_nearest(from: &[Vector6<f64>], to: &[Vector6<f64>]) -> f64 {
+    let nearest = |p: &Vector6<f64>| to.iter().map(|q| (p - q).norm_squared()).fold(f64::INFINITY, f64::min).sqrt();
+    let distances: Vec<f64> = from.iter().step_by(STRIDE).map(nearest).collect();
+    distances.iter().sum::<f64>() / distances.len() as f64
+}
