@@ -87,11 +87,19 @@ fn overview(prepared: &Prepared) -> String {
         vertices(&prepared.source),
         count(prepared.poses.len(), "pose", "poses"),
         vertices(&prepared.target),
-        count(prepared.markers.len(), "marker", "markers"),
+        markers(prepared),
         correspondence.unwrap_or("none"),
         transfer.unwrap_or("none"),
         count(files, "file", "files"),
     )
+}
+
+/// How many markers there are, or the stage that is going to propose them.
+fn markers(prepared: &Prepared) -> String {
+    match prepared.landmarks() {
+        Some(stage) => format!("markers by {}", stage.typetag_name()),
+        None => count(prepared.markers().len(), "marker", "markers"),
+    }
 }
 
 fn vertices(mesh: &RestMesh) -> String {

@@ -18,6 +18,7 @@ mod handedness;
 pub mod input;
 pub mod json;
 pub mod key_points;
+pub mod marker_source;
 pub mod metrics;
 mod one_or_many;
 pub mod page;

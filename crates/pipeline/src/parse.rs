@@ -2,7 +2,10 @@
 //!
 //! Each slot, and each stage of a sequence, is deserialised on its own, so that a mistake in one does not hide those in others.
 
-use mimesh_core::{plugin, stage::Transfer};
+use mimesh_core::{
+    plugin,
+    stage::{Landmarks, Transfer},
+};
 use mimesh_document::{
     At, Diagnostics, Document, Step, deserialize, path,
     suggest::{did_you_mean, nearest},
@@ -11,6 +14,7 @@ use serde::de::DeserializeOwned;
 use serde_json::Value;
 
 use crate::{
+    marker_source::{AUTO, AUTO_TYPE, MarkerSource},
     schema::{COMPOSITION_KEYS, PipelineShapes, SchemaNode, check_ranges, types},
     spec::Pipeline,
 };
@@ -69,7 +73,7 @@ pub fn parse(document: &Document, required: Required, diagnostics: &mut Diagnost
         source: slots.required("source").unwrap_or_default(),
         target: slots.required("target").unwrap_or_default(),
         key_points: slots.optional("key_points"),
-        markers: slots.optional("markers"),
+        markers: slots.markers(),
         proximity: slots.optional("proximity"),
         correspondence: if slots.needs_correspondence() {
             slots.required("correspondence")
@@ -128,6 +132,27 @@ impl Slots<'_> {
 
     fn optional<T: DeserializeOwned>(&mut self, key: &str) -> Option<T> {
         self.value(&path([key]))
+    }
+
+    /// The files of markers, or the stage that proposes them: a mapping with `type`, or a word that leaves the choice.
+    fn markers(&mut self) -> Option<MarkerSource> {
+        let value = self.document.value.get("markers")?;
+        if value.as_str() == Some(AUTO) {
+            let stage = plugin::instance::<dyn Landmarks>(AUTO_TYPE);
+            if stage.is_none() {
+                let message =
+                    format!("`{AUTO}` stands for the stage `{AUTO_TYPE}`, which is not linked into this program");
+                let hint =
+                    format!("name a file, or a stage: `markers: {{ type: {} }}`", types("landmarks").join(" | "));
+                self.diagnostics.push(self.document.diagnostic(&path(["markers"]), At::Value, message).hint(hint));
+                self.rejected.push(path(["markers"]));
+            }
+            return stage.map(MarkerSource::Stage);
+        }
+        if value.get("type").is_some() {
+            return self.optional("markers").map(MarkerSource::Stage);
+        }
+        self.optional("markers").map(MarkerSource::Files)
     }
 
     /// A sequence of stages, each read on its own; those that cannot be read are left out.

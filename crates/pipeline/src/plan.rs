@@ -2,7 +2,7 @@
 //!
 //! A plan is made once; a run executes it, and a program may show it.
 
-use mimesh_core::stage::TriangleMap;
+use mimesh_core::stage::{Proposal, TriangleMap};
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -133,6 +133,7 @@ fn needs_map(prepared: &Prepared, complete: bool, measured: bool) -> bool {
 fn stages(prepared: &Prepared) -> Vec<(&'static str, &str)> {
     let pipeline = &prepared.pipeline;
     let types = [
+        prepared.landmarks().map(|stage| stage.typetag_name()),
         pipeline.proximity.as_ref().map(|stage| stage.typetag_name()),
         pipeline.correspondence.as_ref().map(|stage| stage.typetag_name()),
         pipeline.transfer.as_ref().map(|stage| stage.typetag_name()),
@@ -150,6 +151,7 @@ fn planned(
 ) -> PlannedStep {
     let key = cached.keys.stages().into_iter().find(|(name, _)| *name == stage).and_then(|(_, key)| key);
     let (is_cached, needed) = match stage {
+        "landmarks" => (key.is_some_and(|key| is_readable::<Proposal>(cache, stage, key)), true),
         "proximity" => {
             let reused = prepared.proximity.as_ref().is_some_and(|proximity| proximity.report.reused);
             (reused, !cached.complete)
@@ -207,14 +209,14 @@ mod tests {
 
     use crate::{cache::RunKeys, schema::SchemaNode};
 
-    /// The slots whose stages no run uses.
+    /// The kinds of stages in slots that no run uses.
     const UNUSED: [&str; 1] = ["key_points"];
 
     /// A stage that is neither would be left out of the keys, and results from before it was added or changed would be reused.
     #[test]
     fn every_slot_of_a_stage_is_planned() {
         let slots = SchemaNode::pipeline().properties(None).into_iter();
-        let found: BTreeSet<_> = slots.filter(|(_, node)| node.stage().is_some()).map(|(slot, _)| slot).collect();
+        let found: BTreeSet<_> = slots.filter_map(|(_, node)| node.stage()).collect();
         assert_eq!(found, RunKeys::STAGES.into_iter().chain(UNUSED).collect());
     }
 }

@@ -3,11 +3,11 @@
 use std::{collections::BTreeMap, path::PathBuf};
 
 use mimesh_core::stage::{Correspondence, Format, Generator, KeyPoints, Metric, Proximity, Transfer};
-use mimesh_markers::MarkerFiles;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::{
+    marker_source::MarkerSource,
     one_or_many::OneOrMany,
     pose_files::Poses,
     rest::{self, Rest},
@@ -33,10 +33,12 @@ pub struct Pipeline {
     /// Files of points are MeshLab's `.pp`, Wrap's `.json` and `.txt`, and named points as `.csv` or `.json`; they are
     /// paired by name, else by order. Points given by position go to the closest place of the surface.
     ///
+    /// `auto` finds them by the shapes of the meshes, as `{ type: extremities }` does, whose settings may follow: for shapes with limbs.
+    ///
     /// Left out, landmarks of equal names are the markers, where both meshes have landmarks (those of generators do).
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("examples" = ["horse_camel.cons", { "source": "horse.pp", "target": "camel.pp" }]))]
-    pub markers: Option<MarkerFiles>,
+    #[schemars(extend("examples" = ["horse_camel.cons", { "source": "horse.pp", "target": "camel.pp" }, "auto"]))]
+    pub markers: Option<MarkerSource>,
     /// How the components of the target lie to each other; needed by `transfer: { type: multi_component }`, and for
     /// components without markers to follow those that have them.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -2,7 +2,7 @@
 
 use mimesh_core::{
     Figures,
-    stage::{ProximityGraph, TriangleMap},
+    stage::{Proposal, ProximityGraph, TriangleMap},
 };
 use nalgebra::Point3;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
@@ -61,7 +61,7 @@ macro_rules! json_codec {
     };
 }
 
-json_codec!(OpenedSeams, ProximityGraph, TransferSummary, PoseMetrics);
+json_codec!(OpenedSeams, Proposal, ProximityGraph, TransferSummary, PoseMetrics);
 
 impl CacheCodec for TriangleMap {
     fn encode(&self) -> Vec<u8> {

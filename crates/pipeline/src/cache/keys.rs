@@ -43,6 +43,8 @@ impl StageKey {
 /// The keys of a run.
 #[derive(Clone, Debug)]
 pub struct RunKeys {
+    /// The key of the markers that a stage proposes, if there is one.
+    pub landmarks: Option<StageKey>,
     /// The key of the proximity graph, if there is one.
     pub proximity: Option<StageKey>,
     /// The key of the triangle map, if there is one.
@@ -58,8 +60,8 @@ pub struct RunKeys {
 }
 
 impl RunKeys {
-    /// The slots of the stages that run once, in their order.
-    pub const STAGES: [&'static str; 3] = ["proximity", "correspondence", "transfer"];
+    /// The stages that run once, in their order.
+    pub const STAGES: [&'static str; 4] = ["landmarks", "proximity", "correspondence", "transfer"];
 
     /// The keys for `prepared`, computed by `program`.
     pub fn new(prepared: &Prepared, program: &str) -> Self {
@@ -68,7 +70,24 @@ impl RunKeys {
         let hashes = &prepared.hashes;
         let proximity = pipeline.proximity.as_ref().map(|stage| proximity_of(stage, &target, hashes, program));
         let proximity_hex = to_value(&proximity.as_ref().map(StageKey::hex));
-        let markers: Value = hash_of_markers(&prepared.markers).into();
+        let landmarks = prepared.landmarks().map(|stage| {
+            let (settings, files) = settings_and_files("markers", to_value(stage), hashes);
+            StageKey::new(
+                "landmarks",
+                &[
+                    ("program", program.into()),
+                    ("files", files),
+                    ("settings", settings),
+                    ("source", source.clone().into()),
+                    ("target", target.clone().into()),
+                ],
+            )
+        });
+        // Proposed markers are not known before the run, but all that they depend on is.
+        let markers: Value = match &landmarks {
+            Some(key) => key.hex().into(),
+            None => hash_of_markers(prepared.markers()).into(),
+        };
         let correspondence = pipeline.correspondence.as_ref().map(|stage| {
             let (settings, files) = settings_and_files("correspondence", to_value(stage), hashes);
             StageKey::new(
@@ -108,12 +127,13 @@ impl RunKeys {
         let metrics = settings_and_files("metrics", to_value(&prepared.metrics), hashes);
         let metrics = blake3::hash(&to_bytes(&(program, metrics)));
         let ground_truths = (0..poses.len()).into_par_iter().map(|i| hash_of_ground_truth(prepared, i)).collect();
-        Self { proximity, correspondence, transfer, poses, metrics, ground_truths }
+        Self { landmarks, proximity, correspondence, transfer, poses, metrics, ground_truths }
     }
 
     /// The [stages](Self::STAGES) with their keys; `None` for one that the pipeline leaves out.
-    pub fn stages(&self) -> [(&'static str, Option<&StageKey>); 3] {
-        let keys = [self.proximity.as_ref(), self.correspondence.as_ref(), Some(&self.transfer)];
+    pub fn stages(&self) -> [(&'static str, Option<&StageKey>); 4] {
+        let keys =
+            [self.landmarks.as_ref(), self.proximity.as_ref(), self.correspondence.as_ref(), Some(&self.transfer)];
         std::array::from_fn(|i| (Self::STAGES[i], keys[i]))
     }
 

@@ -1,10 +1,10 @@
 //! Results of stages, cached under all that they depend on, so that a run computes only what is new.
 //!
 //! A key is the BLAKE3 hash of the program's identity, the stage's settings, the contents of its inputs and the keys of the
-//! stages before it. No time stamp takes part, and of a path only its extension. Cached are the seams that open in the source, the
-//! proximity graph, the triangle map, every posed target as soon as it is done, and its measurements. So a run that was killed goes
-//! on where it was. A bound transfer is no data; it is bound again if any pose is missing. Frames of one motion depend on those
-//! before, so that they are used only all together.
+//! stages before it. No time stamp takes part, and of a path only its extension. Cached are the seams that open in the source,
+//! proposed markers, the proximity graph, the triangle map, every posed target as soon as it is done, and its measurements. So a run
+//! that was killed goes on where it was. A bound transfer is no data; it is bound again if any pose is missing. Frames of one motion
+//! depend on those before, so that they are used only all together.
 
 mod codec;
 mod keys;

@@ -20,6 +20,7 @@ use crate::{
     compose::{Part, compose_part},
     formats::Formats,
     input::{FileHashes, InputFile, Meshes, PreparedSource},
+    marker_source::MarkerSource,
     parse::{Parsed, Required, parse},
     schema::resolve_files,
 };
@@ -46,7 +47,8 @@ pub fn prepare_source(file: &Path, options: &Options, cache: Option<&Cache>) -> 
     check_formats(scope, &mut found);
     let seam_cache = SeamCache { cache, hashes: &FileHashes::default() };
     let (source, poses) = poses::source(scope, &mut found, &pipeline.source, seam_cache);
-    let files_of_markers = pipeline.markers.as_ref().map(|files| marker_files(scope, files));
+    let files_of_markers =
+        pipeline.markers.as_ref().and_then(MarkerSource::files).map(|files| marker_files(scope, files));
     let target = pipeline.target.rest.map(|rest| rest.file).filter(|_| targets.len() <= 1);
     let mut inputs = found.inputs.clone();
     let named = files_of_markers.iter().flat_map(MarkerFiles::named);
@@ -80,7 +82,8 @@ pub fn prepare_meshes(file: &Path, options: &Options) -> Result<Meshes> {
     let scope = Scope { document: &document, formats: &formats, rejected: &rejected };
     let source = poses::rest_file(scope, &mut found, &pipeline.source);
     let target = rest_meshes::target(scope, &mut found, &pipeline.target);
-    let markers = pipeline.markers.map(|files| marker_files(scope, &files));
+    let files_of_markers = pipeline.markers.as_ref().and_then(MarkerSource::files);
+    let markers = files_of_markers.map(|files| marker_files(scope, files));
     finish(found, file)?;
     let (source, target) = source.zip(target).ok_or_else(refused_without_reason)?;
     Ok(Meshes { source, target, markers })

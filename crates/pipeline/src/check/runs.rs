@@ -2,7 +2,7 @@
 
 use std::{
     path::{Path, PathBuf},
-    sync::Arc,
+    sync::{Arc, OnceLock},
 };
 
 use mimesh_core::{
@@ -32,6 +32,7 @@ use crate::{
     formats::Formats,
     handedness,
     input::{FileHashes, Prepared, ProximityInput, RestMesh},
+    marker_source::MarkerSource,
     parse::{Parsed, Required, parse},
     report::Clock,
     schema::resolve_files,
@@ -120,8 +121,14 @@ fn prepare_one(
         _ => target,
     };
     check_inside_out(found_mut, source.as_deref(), target.as_deref());
-    let files_of_markers = pipeline.markers.as_ref();
-    let markers = markers(scope, found_mut, files_of_markers, source.as_deref(), target.as_deref(), &shared.hashes);
+    let files_of_markers = pipeline.markers.as_ref().and_then(MarkerSource::files);
+    let are_proposed = pipeline.markers.as_ref().and_then(MarkerSource::stage).is_some();
+    let markers = if are_proposed {
+        // The run proposes them; what needs them is left to it.
+        Some(vec![])
+    } else {
+        markers(scope, found_mut, files_of_markers, source.as_deref(), target.as_deref(), &shared.hashes)
+    };
     let truth = ground_truth(scope, found_mut, pipeline.truth.as_deref(), target.as_deref(), &poses);
     let metrics = metrics(scope, found_mut, pipeline.metrics.take(), &truth);
     let gates = gates(scope, found_mut, &pipeline.gates, &metrics, &truth);
@@ -157,7 +164,7 @@ fn prepare_one(
         target,
         pipeline,
         poses,
-        markers,
+        markers: if are_proposed { OnceLock::new() } else { markers.into() },
         proximity,
         truth,
         metrics,
@@ -176,7 +183,8 @@ fn stages_and_proximity(
     shared: &Shared<'_>,
 ) -> Option<ProximityInput> {
     let markers = markers?;
-    if !check_marker_count(scope, found, pipeline, markers) {
+    let are_proposed = pipeline.markers.as_ref().and_then(MarkerSource::stage).is_some();
+    if !are_proposed && !check_marker_count(scope, found, pipeline, markers) {
         return None;
     }
     let (source, target) = meshes?;
@@ -191,7 +199,10 @@ fn stages_and_proximity(
         },
     };
     let graph = proximity.as_ref().map(|proximity| &proximity.graph);
-    check_stages(scope, found, pipeline, [source, target], markers, graph);
+    // What stages refuse may depend on markers, and a run finds it anyway.
+    if !are_proposed {
+        check_stages(scope, found, pipeline, [source, target], markers, graph);
+    }
     proximity
 }
 

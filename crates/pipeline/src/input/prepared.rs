@@ -1,8 +1,11 @@
 //! Pipelines that are read and checked, ready to run.
 
-use std::{path::PathBuf, sync::Arc};
+use std::{
+    path::PathBuf,
+    sync::{Arc, OnceLock},
+};
 
-use mimesh_core::stage::{KeyPoints, Marker, Metric, ProximityGraph};
+use mimesh_core::stage::{KeyPoints, Landmarks, Marker, Metric, ProximityGraph};
 use mimesh_markers::MarkerFiles;
 
 use super::{FileHashes, GroundTruth, Outputs, PoseInput, RestMesh};
@@ -27,8 +30,8 @@ pub struct Prepared {
     pub target: Arc<RestMesh>,
     /// The poses of the source, at least one.
     pub poses: Vec<PoseInput>,
-    /// Pairs of points of the two surfaces.
-    pub markers: Vec<Marker>,
+    /// Pairs of points of the two surfaces; those that a stage proposes are there once it has run.
+    pub markers: OnceLock<Vec<Marker>>,
     /// The proximity graph of the target, which the checks of stages needed; `None` if there is no such stage.
     pub proximity: Option<ProximityInput>,
     /// The known results.
@@ -50,6 +53,16 @@ pub struct Prepared {
 }
 
 impl Prepared {
+    /// Pairs of points of the two surfaces; none until a stage that proposes them has run.
+    pub fn markers(&self) -> &[Marker] {
+        self.markers.get().map_or(&[], Vec::as_slice)
+    }
+
+    /// The stage that proposes the markers, if there is one.
+    pub fn landmarks(&self) -> Option<&dyn Landmarks> {
+        self.pipeline.markers.as_ref()?.stage()
+    }
+
     /// Seconds from the start of reading until the pipeline was ready to run.
     pub fn seconds(&self) -> f64 {
         self.reading.seconds + self.proximity.as_ref().map_or(0.0, |proximity| proximity.report.seconds)

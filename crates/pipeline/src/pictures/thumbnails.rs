@@ -197,8 +197,8 @@ fn pose_image(name: &str, picture: &Picture) -> Image {
 
 /// Returns both meshes at rest with numbered markers, each seen from the camera and from behind.
 fn rest_images(prepared: &Prepared, cameras: [Camera; 2]) -> Vec<Image> {
-    let source: Vec<SurfacePoint> = prepared.markers.iter().map(|marker| marker.source).collect();
-    let target: Vec<SurfacePoint> = prepared.markers.iter().map(|marker| marker.target).collect();
+    let source: Vec<SurfacePoint> = prepared.markers().iter().map(|marker| marker.source).collect();
+    let target: Vec<SurfacePoint> = prepared.markers().iter().map(|marker| marker.target).collect();
     let sides = [
         ("source", &prepared.source, source, STEEL, cameras[0], cameras[0].behind()),
         ("target", &prepared.target, target, SAND, cameras[1], cameras[1].behind()),

@@ -6,6 +6,6 @@ mod stage;
 mod table;
 
 pub use process::{Usage, usage};
-pub use run_report::{InputReport, MeshFigures, PoseReport, Report, RunOf};
+pub use run_report::{InputReport, MeshFigures, PoseReport, ProposedMarker, Report, RunOf};
 pub use stage::{Clock, StageReport};
 pub use table::{Results, Row, RunOutcome};

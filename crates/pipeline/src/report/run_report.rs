@@ -2,7 +2,10 @@
 
 use std::path::PathBuf;
 
-use mimesh_core::{Figures, mesh::Topology};
+use mimesh_core::{
+    Figures,
+    mesh::{MeshPoint, Topology},
+};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
@@ -43,6 +46,9 @@ pub struct Report {
     pub target: MeshFigures,
     /// Number of markers.
     pub markers: usize,
+    /// The markers that a stage proposed; none where the user gave them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub proposed_markers: Vec<ProposedMarker>,
     /// The worst verdict of any pose and of what they share; none where nothing was measured.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub verdict: Option<Level>,
@@ -105,6 +111,19 @@ pub struct InputReport {
     pub bytes: u64,
     /// The hash of its contents.
     pub blake3: String,
+}
+
+/// A marker that a stage proposed.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+pub struct ProposedMarker {
+    /// Its name.
+    pub name: String,
+    /// The point of the source's file.
+    pub source: MeshPoint,
+    /// The point of the target's file.
+    pub target: MeshPoint,
+    /// How sure it is, from 0 to 1.
+    pub confidence: f64,
 }
 
 /// Counts and size of a mesh.

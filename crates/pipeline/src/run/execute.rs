@@ -1,6 +1,9 @@
 //! Executing a plan.
 
-use mimesh_core::{Error, stage::MetricContext};
+use mimesh_core::{
+    Error,
+    stage::{MetricContext, Proposal, ProposedPair},
+};
 use mimesh_document::{Diagnostic, Diagnostics, Kind, diagnostic::Result};
 use mimesh_markers::IntoDiagnostic;
 use rayon::prelude::*;
@@ -20,7 +23,7 @@ use crate::{
     pictures::Thumbnails,
     plan::Plan,
     progress::Progress,
-    report::{Clock, InputReport, MeshFigures, PoseReport, Report, RunOf, usage},
+    report::{Clock, InputReport, MeshFigures, PoseReport, ProposedMarker, Report, RunOf, usage},
     staging::{self, Staged},
 };
 
@@ -61,6 +64,7 @@ fn execute(prepared: &Prepared, plan: &Plan, cache: Option<&Cache>, progress: &d
     staging::remove_abandoned(&prepared.outputs.files());
     let cached = cache.zip(plan.cached.as_ref());
     let stages = Stages::new(prepared, transfer.as_ref(), cached, progress);
+    stages.propose()?;
     let measured = cached_metrics(prepared, plan, &stages);
     if plan.needs_map(prepared, measured.is_some()) {
         stages.map()?;
@@ -148,6 +152,7 @@ fn assemble(
     since_start: Clock,
 ) -> Result<Report> {
     let clock = Clock::start();
+    let proposed_markers = proposed_markers(prepared, stages.proposal());
     let inputs = inputs(prepared)?;
     stages.report(clock.stop("writing", "", Default::default()));
     if let Some(cache) = cache {
@@ -170,7 +175,8 @@ fn assemble(
         inputs,
         source: MeshFigures::new(&prepared.source),
         target: MeshFigures::new(&prepared.target),
-        markers: prepared.markers.len(),
+        markers: prepared.markers().len(),
+        proposed_markers,
         run: RunOf::new(&prepared.variant),
         verdict: worst(&poses).max(shared).max(unmeasured.first().map(|_| Level::Failed)),
         rest_verdict,
@@ -183,6 +189,17 @@ fn assemble(
         outputs: staged.iter().map(Staged::written).collect(),
         process: usage(),
     })
+}
+
+/// The markers that a stage proposed, as files count their points.
+fn proposed_markers(prepared: &Prepared, proposal: Option<&Proposal>) -> Vec<ProposedMarker> {
+    let of_file = |pair: &ProposedPair| ProposedMarker {
+        name: pair.marker.name.clone(),
+        source: prepared.source.surface.mesh_point(pair.marker.source),
+        target: prepared.target.surface.mesh_point(pair.marker.target),
+        confidence: pair.confidence,
+    };
+    proposal.into_iter().flat_map(|proposal| proposal.pairs.iter().map(of_file)).collect()
 }
 
 /// The settings in full.

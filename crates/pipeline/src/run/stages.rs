@@ -4,7 +4,7 @@ use std::sync::{Mutex, OnceLock, PoisonError};
 
 use mimesh_core::{
     Figures, Result,
-    stage::{BindInput, BoundTransfer, Transfer, TransferPair, TriangleMap},
+    stage::{BindInput, BoundTransfer, Proposal, Transfer, TransferPair, TriangleMap},
 };
 use mimesh_document::{Diagnostic, diagnostic};
 use mimesh_markers::IntoDiagnostic;
@@ -25,6 +25,7 @@ pub(super) struct Stages<'a> {
     pub transfer: &'a dyn Transfer,
     cache: Option<(&'a Cache, &'a CachedRun)>,
     progress: &'a dyn Progress,
+    proposal: OnceLock<Proposal>,
     map: OnceLock<TriangleMap>,
     bound: OnceLock<Box<dyn BoundTransfer>>,
     reports: Mutex<Vec<StageReport>>,
@@ -47,19 +48,59 @@ impl<'a> Stages<'a> {
                 cache.put("proximity", key.key, &proximity.graph);
             }
         }
-        let (map, bound) = (OnceLock::new(), OnceLock::new());
-        Self { prepared, transfer, cache, progress, map, bound, reports: Mutex::new(reports) }
+        let (proposal, map, bound) = (OnceLock::new(), OnceLock::new(), OnceLock::new());
+        Self { prepared, transfer, cache, progress, proposal, map, bound, reports: Mutex::new(reports) }
     }
 
     /// The surfaces, markers and the proximity graph.
     pub fn pair(&self) -> TransferPair<'a> {
-        let Prepared { source, target, markers, proximity, .. } = self.prepared;
+        let Prepared { source, target, proximity, .. } = self.prepared;
         TransferPair {
             source: &source.surface,
             target: target.seen_surface(),
-            markers,
+            markers: self.prepared.markers(),
             proximity: proximity.as_ref().map(|proximity| &proximity.graph),
         }
+    }
+
+    /// Proposes the markers of a pipeline that leaves them to a stage, unless they are cached; all other stages take them as given.
+    ///
+    /// # Errors
+    ///
+    /// Those of the stage.
+    pub fn propose(&self) -> diagnostic::Result<()> {
+        let Some(landmarks) = self.prepared.landmarks() else { return Ok(()) };
+        let name = landmarks.typetag_name();
+        let key = self.cache.and_then(|(cache, cached)| Some((cache, cached.keys.landmarks.as_ref()?.key)));
+        let clock = Clock::start();
+        let cached: Option<Proposal> = key.and_then(|(cache, key)| cache.get("landmarks", key));
+        let proposal = match cached {
+            Some(proposal) => {
+                self.report(clock.stop("landmarks", name, proposal.figures.clone()).reused());
+                proposal
+            }
+            None => {
+                let pair = TransferPair { markers: &[], ..self.pair() };
+                let proposal = self.stage("landmarks", name, || {
+                    let proposal = landmarks.propose(pair)?;
+                    proposal.check(pair)?;
+                    let figures = proposal.figures.clone();
+                    Ok((proposal, figures))
+                })?;
+                if let Some((cache, key)) = key {
+                    cache.put("landmarks", key, &proposal);
+                }
+                proposal
+            }
+        };
+        self.prepared.markers.get_or_init(|| proposal.pairs.iter().map(|pair| pair.marker.clone()).collect());
+        self.proposal.get_or_init(|| proposal);
+        Ok(())
+    }
+
+    /// The markers that a stage proposed, once it has run.
+    pub fn proposal(&self) -> Option<&Proposal> {
+        self.proposal.get()
     }
 
     /// The triangle map, if it is cached or has been computed.

@@ -1,0 +1,192 @@
+//! Landmarks without clicks, on the built-in animals, whose generator knows the true partner of each point.
+#![cfg(feature = "bundled")]
+
+mod common;
+
+use common::Project;
+// Links the bundled stages.
+use mimesh as _;
+use mimesh_core::{
+    Result,
+    mesh::{MeshSequence, Surface},
+    plugin::{configured, instance},
+    random::Random,
+    stage::{Generator, Landmarks, Marker, Proposal, TransferPair},
+    testkit::meshes,
+};
+use nalgebra::{Matrix3, Point3, Unit, Vector3};
+use serde_json::{Value, json};
+
+/// A point farther than this share of the diagonal from its true partner is wrong: a hoof is 4 % wide, a head 15 % long.
+const WRONG: f64 = 0.08;
+
+/// An animal, its points by name, and its surface.
+struct Animal {
+    names: Vec<String>,
+    places: Vec<Point3<f64>>,
+    surface: Surface,
+}
+
+fn animal(settings: Value) -> Animal {
+    let mut all = json!({ "type": "quadruped", "gait": "none", "resolution": 60 });
+    all.as_object_mut().unwrap().extend(settings.as_object().unwrap().clone());
+    let sequence: MeshSequence = configured::<dyn Generator>(all).expect("a quadruped").make().expect("an animal");
+    let surface = Surface::new(&sequence.rest).expect("a surface");
+    let place = |point| surface.point(point).expect("a point").position(&surface, &surface.positions);
+    Animal {
+        names: sequence.landmarks.iter().map(|landmark| landmark.name.clone()).collect(),
+        places: sequence.landmarks.iter().map(|landmark| place(landmark.point)).collect(),
+        surface,
+    }
+}
+
+fn propose(source: &Surface, target: &Surface) -> Result<Proposal> {
+    let stage = instance::<dyn Landmarks>("extremities").expect("the stage is linked");
+    stage.propose(TransferPair { source, target, markers: &[], proximity: None })
+}
+
+/// How far the target's point of `marker` lies from its true partner, relative to the diagonal, and the name of the nearest landmark.
+///
+/// The partner lies beside that landmark as the source's point does, for which both animals stand alike.
+fn error_of(marker: &Marker, source: &Animal, target: &Animal, on: &Surface) -> (f64, String) {
+    let p = marker.source.position(&source.surface, &source.surface.positions);
+    let q = marker.target.position(on, &target.surface.positions);
+    let distance = |k: &usize| (source.places[*k] - p).norm();
+    let nearest = (0..source.places.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).expect("landmarks");
+    let name = &source.names[nearest];
+    let partner = target.places[target.names.iter().position(|other| other == name).expect("the same names")];
+    let offset = (p - source.places[nearest]) * (target.surface.diagonal() / source.surface.diagonal());
+    ((q - (partner + offset)).norm() / target.surface.diagonal(), name.clone())
+}
+
+fn check_pairs(case: &str, proposal: &Proposal, source: &Animal, target: &Animal, on: &Surface) {
+    let mut found = Vec::new();
+    for pair in &proposal.pairs {
+        let (error, name) = error_of(&pair.marker, source, target, on);
+        assert!(error < WRONG, "{case}: {} at the {name} is {error} off: {:?}", pair.marker.name, proposal.figures);
+        found.push(name);
+    }
+    for leg in ["left_front", "right_front", "left_hind", "right_hind"] {
+        assert!(found.iter().any(|name| name.starts_with(leg)), "{case}: no point of the {leg} leg among {found:?}");
+    }
+}
+
+#[test]
+fn built_in_animals_are_paired_with_the_right_legs_and_heads() {
+    let kinds = ["horse", "camel", "giraffe"];
+    for (a, b) in kinds.iter().flat_map(|a| kinds.iter().map(move |b| (a, b))) {
+        let (source, target) = (animal(json!({ "proportions": a })), animal(json!({ "proportions": b, "seed": 1 })));
+        let proposal = propose(&source.surface, &target.surface).unwrap();
+        check_pairs(&format!("{a} to {b}"), &proposal, &source, &target, &target.surface);
+    }
+}
+
+/// The target turned, made larger, moved, and with its vertices and triangles in another order, is the same shape.
+#[test]
+fn axes_size_place_and_order_of_the_target_do_not_matter() {
+    let (source, target) = (animal(json!({})), animal(json!({ "proportions": "camel", "seed": 1 })));
+    for (k, turn) in turns().into_iter().enumerate() {
+        let mut on = shuffled(&target.surface, k as u64);
+        on.positions.iter_mut().for_each(|p| *p = turn * *p * 37.0 + Vector3::new(900.0, -40.0, 5.0));
+        let proposal = propose(&source.surface, &on).unwrap();
+        // The pairs are judged where the target stood before.
+        on.positions.iter_mut().for_each(|p| *p = turn.transpose() * (*p - Vector3::new(900.0, -40.0, 5.0)) / 37.0);
+        let there = Animal { surface: on.clone(), names: target.names.clone(), places: target.places.clone() };
+        check_pairs(&format!("turn {k}"), &proposal, &source, &there, &on);
+        let figures = &proposal.figures;
+        assert!(figures.number("next_score") > figures.number("score"), "turn {k}: another turn fits as well");
+    }
+}
+
+/// The rotations that take axes to axes.
+fn turns() -> Vec<Matrix3<f64>> {
+    let quarter = |axis: Unit<Vector3<f64>>, times: u32| {
+        let angle = f64::from(times) * std::f64::consts::FRAC_PI_2;
+        nalgebra::Rotation3::from_axis_angle(&axis, angle).matrix().map(f64::round)
+    };
+    // What was up points to each of six sides, in four turns about it.
+    let sides = [
+        quarter(Vector3::x_axis(), 0),
+        quarter(Vector3::x_axis(), 1),
+        quarter(Vector3::x_axis(), 2),
+        quarter(Vector3::x_axis(), 3),
+    ];
+    let others = [1, 3].map(|times| quarter(Vector3::z_axis(), times));
+    sides
+        .iter()
+        .chain(&others)
+        .flat_map(|side| [0, 1, 2, 3].map(|times| side * quarter(Vector3::y_axis(), times)))
+        .collect()
+}
+
+/// The same surface with its vertices and triangles in another order.
+fn shuffled(surface: &Surface, seed: u64) -> Surface {
+    let mut random = Random::new(seed);
+    let mut order = |count: usize| {
+        let mut order: Vec<usize> = (0..count).collect();
+        (1..count).rev().for_each(|k| order.swap(k, random.index(k + 1)));
+        order
+    };
+    let (vertices, triangles) = (order(surface.vertex_count()), order(surface.triangle_count()));
+    let mut number = vec![0; vertices.len()];
+    (0u32..).zip(&vertices).for_each(|(new, &old)| number[old] = new);
+    let positions = vertices.iter().map(|&v| surface.positions[v]).collect();
+    let triangles = triangles.iter().map(|&t| surface.triangles[t].map(|v| number[v as usize])).collect();
+    Surface::from_triangles(positions, triangles).unwrap()
+}
+
+#[test]
+fn shapes_without_limbs_are_refused_with_a_way_out() {
+    let horse = animal(json!({})).surface;
+    for round in [meshes::icosphere(3), meshes::bar([9, 3, 2], [3.0, 0.9, 0.7])] {
+        let error = propose(&horse, &round).unwrap_err();
+        assert!(error.to_string().starts_with("the target has "), "{error}");
+        assert!(error.hint().is_some_and(|hint| hint.contains("markers by hand")), "{error}");
+    }
+}
+
+#[test]
+fn a_mirror_image_that_is_inside_out_is_refused_and_named() {
+    let (source, mut target) = (animal(json!({})).surface, animal(json!({ "seed": 1 })).surface);
+    target.positions.iter_mut().for_each(|p| p.x = -p.x);
+    let error = propose(&source, &target).unwrap_err();
+    assert!(error.to_string().contains("the target point inwards"), "{error}");
+    assert!(error.hint().is_some_and(|hint| hint.contains("mirrored")), "{error}");
+}
+
+/// A pipeline with `markers` as given, run to its report.
+fn run(project: &Project, markers: &str) -> Value {
+    project.write(
+        "p.yaml",
+        &format!(
+            "source: {{ generator: {{ type: quadruped, frames: 1, resolution: 30 }} }}\n\
+             target: {{ generator: {{ type: quadruped, proportions: camel, frames: 1, resolution: 30, seed: 1 }} }}\n\
+             markers: {markers}\ncorrespondence: {{ type: nonrigid_fit }}\ntransfer: {{ type: gradient }}\n\
+             output: out/{{pose}}.obj\n"
+        ),
+    );
+    let output = project.mimesh(&["run", "p.yaml", "--json"]);
+    assert_eq!(output.status, 0, "{}", output.stderr);
+    serde_json::from_str(&output.stdout).expect("a report")
+}
+
+#[test]
+fn a_run_proposes_its_markers_once_and_tells_them() {
+    let project = Project::new();
+    let first = run(&project, "auto");
+    let proposed = first["proposed_markers"].as_array().expect("proposed markers").clone();
+    assert!(proposed.len() >= 4 && first["markers"] == proposed.len(), "{proposed:?}");
+    let stage = |report: &Value| {
+        report["stages"].as_array().unwrap().iter().find(|stage| stage["stage"] == "landmarks").unwrap().clone()
+    };
+    assert_eq!(stage(&first)["type"], "extremities");
+    let plan = project.mimesh(&["plan", "p.yaml"]).stdout;
+    assert!(plan.contains("landmarks (extremities)") && !plan.contains("run:"), "{plan}");
+    let check = project.mimesh(&["check", "p.yaml"]).stdout;
+    assert!(check.contains("markers by extremities"), "{check}");
+    // The stage spelled out is the same stage; another setting is not.
+    let again = run(&project, "{ type: extremities }");
+    assert_eq!((&stage(&again)["reused"], &again["proposed_markers"]), (&json!(true), &json!(proposed)));
+    let other = run(&project, "{ type: extremities, points_per_limb: 1 }");
+    assert!(stage(&other)["reused"].is_null() && other["markers"].as_u64() < first["markers"].as_u64());
+}
