@@ -8,6 +8,7 @@ use {
     mimesh_pipeline as pipeline,
     mimesh_pipeline::{
         Prepared,
+        choices::rows,
         input::{PoseFrom, PoseInput, RestMesh},
         text::{count, pairs},
     },
@@ -48,15 +49,26 @@ impl Check {
             Ok(all) if self.json => {
                 let runs: Vec<_> = all.iter().map(|run| &run.variant.name).filter(|name| !name.is_empty()).collect();
                 let warnings = warnings(&all);
-                terminal::print_json(&json!({ "ok": true, "mistakes": [], "warnings": warnings, "runs": runs }));
+                let choices: Vec<_> = all.iter().map(|run| &run.choices).collect();
+                let choices = match &choices[..] {
+                    [one] => json!(one),
+                    several => json!(several),
+                };
+                terminal::print_json(&json!({
+                    "ok": true, "mistakes": [], "warnings": warnings, "runs": runs, "choices": choices,
+                }));
             }
             Ok(all) => {
                 warnings(&all).iter().for_each(|warning| terminal::warn(warning));
                 match &all[..] {
-                    [run] => terminal::print(&format!("ok: {}\n", overview(run))),
+                    [run] => terminal::print(&format!("ok: {}\n{}", overview(run), chosen(run))),
                     all => {
                         let rows: Vec<_> = all.iter().map(|run| (run.variant.name.clone(), overview(run))).collect();
-                        terminal::print(&format!("ok: {}\n{}", count(all.len(), "run", "runs"), pairs(&rows)));
+                        let chosen = all.iter().map(|run| (&run.variant.name, chosen(run)));
+                        let chosen = chosen.filter(|(_, text)| !text.is_empty());
+                        let chosen: String = chosen.map(|(name, text)| format!("{name}: {text}")).collect();
+                        let runs = count(all.len(), "run", "runs");
+                        terminal::print(&format!("ok: {runs}\n{}{chosen}", pairs(&rows)));
                     }
                 }
             }
@@ -75,6 +87,14 @@ impl Check {
 fn warnings(all: &[Prepared]) -> Vec<&String> {
     let mut seen = HashSet::new();
     all.iter().flat_map(|run| &run.warnings).filter(|warning| seen.insert(*warning)).collect()
+}
+
+/// What was chosen for a run, after a line of its own; nothing where nothing was.
+fn chosen(prepared: &Prepared) -> String {
+    match prepared.choices.is_empty() {
+        true => String::new(),
+        false => format!("chosen by the meshes\n{}", rows(&prepared.choices)),
+    }
 }
 
 /// The sizes and the stages of a run, in a line.

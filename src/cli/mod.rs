@@ -11,6 +11,7 @@ mod inspect;
 mod keypoints;
 mod list;
 mod markers;
+mod mesh_pair;
 mod new;
 mod out_file;
 mod plan;
@@ -21,12 +22,14 @@ mod render;
 mod results_file;
 mod roots;
 mod run;
+mod saved_pipeline;
 mod schema;
 mod score;
 mod show;
 mod status;
 mod summary;
 mod terminal;
+mod transfer;
 
 use std::process::ExitCode;
 
@@ -35,13 +38,14 @@ use mimesh_document::diagnostic;
 
 use crate::cli::status::Status;
 
-/// Deformation transfer between triangle meshes: a target takes the poses of a source, as a YAML pipeline declares.
+/// Deformation transfer between triangle meshes: a target takes the poses of a source.
 #[derive(Debug, Parser)]
 #[command(
     name = "mimesh",
     version,
     max_term_width = 100,
     after_help = "Examples:
+  mimesh transfer horse.glb camel.obj     two files in, motion out
   mimesh run pipelines/gallop.yaml        generated animals, nothing to download
   mimesh check horse-to-camel.yaml        find errors without computing
   mimesh show transfer gradient           settings of a stage
@@ -56,6 +60,7 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    Transfer(transfer::TransferCommand),
     Run(run::Run),
     Check(check::Check),
     Plan(plan::PlanCommand),
@@ -87,6 +92,7 @@ pub fn main() -> ExitCode {
         }
     };
     let result = match cli.command {
+        Command::Transfer(command) => command.run(),
         Command::Run(command) => command.run(),
         Command::Check(command) => command.run(),
         Command::Plan(command) => command.run(),

@@ -6,6 +6,7 @@ use serde_json::json;
 use {
     mimesh_pipeline as pipeline,
     mimesh_pipeline::{
+        choices::rows,
         plan::{Action, Plan, PlannedStep},
         text::pairs,
     },
@@ -63,7 +64,8 @@ impl PlanCommand {
 
 /// The plan as text, with one line for each step.
 fn text(plan: &Plan) -> String {
-    pairs(&plan.steps.iter().map(row).collect::<Vec<_>>())
+    let steps = pairs(&plan.steps.iter().map(row).collect::<Vec<_>>());
+    if plan.choices.is_empty() { steps } else { format!("{steps}chosen by the meshes\n{}", rows(&plan.choices)) }
 }
 
 /// A step, and what is done with it.

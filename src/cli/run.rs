@@ -1,6 +1,10 @@
 //! `mimesh run`: the runs that a pipeline declares, and their results.
 
-use std::{collections::HashSet, path::PathBuf, time::Instant};
+use std::{
+    collections::HashSet,
+    path::{Path, PathBuf},
+    time::Instant,
+};
 
 use mimesh_document::diagnostic::{Diagnostics, Kind, Result};
 use {
@@ -16,7 +20,7 @@ use {
 
 use crate::cli::{
     cache::CacheOptions, flags::with_flags, progress::TerminalProgress, results_file::ResultsFile, roots::Roots,
-    status::Status, summary, terminal,
+    saved_pipeline::SavedPipeline, status::Status, summary, terminal,
 };
 
 /// Runs a pipeline: pairs the meshes, transfers every pose and writes the results.
@@ -38,13 +42,23 @@ pub struct Run {
     #[command(flatten)]
     overrides: Overrides,
     #[command(flatten)]
-    cache: CacheOptions,
-    /// Threads to use; results do not depend on their number [default: all]
-    #[arg(long, value_name = "N", value_parser = threads)]
-    threads: Option<u16>,
+    execution: Execution,
     /// Also write the table of results into this file, as .csv or .md
     #[arg(long, value_name = "FILE")]
     table: Option<PathBuf>,
+    /// Also write the pipeline with every choice spelled out into this file, which must not exist; for a single run
+    #[arg(long, value_name = "FILE")]
+    save: Option<PathBuf>,
+}
+
+/// How runs are executed, and what they print.
+#[derive(Debug, clap::Args)]
+pub struct Execution {
+    #[command(flatten)]
+    pub cache: CacheOptions,
+    /// Threads to use; results do not depend on their number [default: all]
+    #[arg(long, value_name = "N", value_parser = threads)]
+    threads: Option<u16>,
     /// Print the report as JSON instead of the summary: run.json, or the table of several runs with their reports
     #[arg(long)]
     json: bool,
@@ -69,23 +83,47 @@ pub struct Overrides {
 impl Overrides {
     /// The same as options of the pipeline crate.
     pub fn options(&self) -> Options {
-        Options { settings: self.settings.clone(), out: self.out.clone(), roots: self.roots.folders() }
+        Options {
+            settings: self.settings.clone(),
+            out: self.out.clone(),
+            roots: self.roots.folders(),
+            ..Options::default()
+        }
     }
 }
 
 impl Run {
     /// Runs the command.
     pub fn run(&self) -> super::CommandResult {
-        // Without a handler an interrupt would leave files that are half written.
-        let _ = ctrlc::set_handler(|| staging::discard_all_and_exit(Status::Interrupted as u8));
         let table = self.table.as_deref().map(ResultsFile::new).transpose()?;
-        let cache = self.cache.open()?;
+        let saved = self.save.as_deref().map(SavedPipeline::new).transpose()?;
+        let cache = self.execution.cache.open()?;
         let all = pipeline::prepare_all(&self.pipeline, &self.overrides.options(), cache.as_ref())?;
         if let Some(table) = &table {
             table.check(&all)?;
         }
+        if let Some(saved) = &saved {
+            saved.write(&all)?;
+        }
+        let results = self.execution.execute(&self.pipeline, &all, cache.as_ref())?;
+        if let Some(table) = &table {
+            table.write(&results)?;
+        }
+        Ok(self.execution.finish(&results))
+    }
+}
+
+impl Execution {
+    /// Runs all that is prepared from `file`, and shows what happens.
+    ///
+    /// # Errors
+    ///
+    /// The failure of a single run; that of one of several is among the results.
+    pub fn execute(&self, file: &Path, all: &[Prepared], cache: Option<&Cache>) -> Result<Results> {
+        // Without a handler an interrupt would leave files that are half written.
+        let _ = ctrlc::set_handler(|| staging::discard_all_and_exit(Status::Interrupted as u8));
         let mut shown_warnings = HashSet::new();
-        let mut results = Results { pipeline: self.pipeline.clone(), rows: vec![] };
+        let mut results = Results { pipeline: file.into(), rows: vec![] };
         for (i, prepared) in all.iter().enumerate() {
             let started = Instant::now();
             let progress = TerminalProgress::new(self.quiet);
@@ -94,7 +132,7 @@ impl Run {
             }
             // The run may fail for the reason that a warning gives, so that warnings come first.
             self.warn(&prepared.warnings, &mut shown_warnings);
-            let finished = self.run_one(prepared, cache.as_ref(), &progress);
+            let finished = self.run_one(prepared, cache, &progress);
             progress.finish();
             let outcome = match finished {
                 Ok(finished) => self.report(finished, &mut shown_warnings),
@@ -109,11 +147,13 @@ impl Run {
                 seconds: started.elapsed().as_secs_f64() + prepared.seconds(),
             });
         }
-        if let Some(table) = &table {
-            table.write(&results)?;
-        }
-        self.print(&results);
-        Ok(status(&results))
+        Ok(results)
+    }
+
+    /// Prints the results; the exit status of all runs together.
+    pub fn finish(&self, results: &Results) -> Status {
+        self.print(results);
+        status(results)
     }
 
     /// Plans and executes one of the declared runs.

@@ -4,6 +4,7 @@ use std::{fmt::Write, path::Path};
 
 use mimesh_core::Figures;
 use mimesh_pipeline::{
+    choices,
     metrics::{Level, PrimaryStatistic, Reason, Verdict, primary_statistics},
     report::{MeshFigures, PoseReport, Report, Results, RunOutcome, StageReport},
     text::{bytes, count, number, pairs, seconds, table},
@@ -21,6 +22,9 @@ pub fn of_run(report: &Report, path: &Path) -> String {
         ("markers".to_owned(), report.markers.to_string()),
     ];
     let mut text = pairs(&rows);
+    if !report.choices.is_empty() {
+        text += &format!("\nchosen by the meshes\n{}", choices::rows(&report.choices));
+    }
     report.stages.iter().for_each(|step| text += &stage(step, report));
     if let Some(values) = report.metrics.get("point_error") {
         text += &format!("\npoint_error, % of the diagonal\n{}", scores("point_error", values, &report.poses));

@@ -41,6 +41,8 @@ pub enum SourceSpan {
     File(Arc<SourceText>),
     /// In a setting beside the files.
     Setting(Arc<str>),
+    /// An argument of the host program.
+    Argument(Arc<str>),
 }
 
 /// Where a value was written, and its parts.
@@ -86,6 +88,7 @@ impl SourceSpan {
     pub fn location(&self) -> Location {
         match self {
             Self::Setting(option) => Location::Setting(option.to_string()),
+            Self::Argument(argument) => Location::Argument(argument.to_string()),
             Self::File(text) => Location::File(text.file.clone()),
             Self::Text(text, span) => {
                 let line = text.lines.get(span.line.max(1) - 1).cloned().unwrap_or_default();

@@ -10,6 +10,7 @@
 
 pub mod cache;
 pub mod check;
+pub mod choices;
 pub mod compose;
 mod file_on_disk;
 pub mod formats;
@@ -34,12 +35,13 @@ mod run;
 pub mod schema;
 pub mod seam_points;
 pub mod spec;
+pub mod spelled_out;
 pub mod staging;
 #[cfg(test)]
 mod testing;
 pub mod text;
 
-pub use check::{Options, prepare_all, prepare_meshes, prepare_source};
+pub use check::{Options, prepare_all, prepare_document, prepare_meshes, prepare_source};
 pub use file_on_disk::Reach;
 pub use formats::Formats;
 pub use input::{Prepared, PreparedSource};
@@ -47,5 +49,5 @@ pub use one_or_many::OneOrMany;
 pub use plan::Plan;
 pub use progress::Progress;
 pub use report::Report;
-pub use run::{Finished, run};
+pub use run::{Finished, GIVE_MARKERS, run};
 pub use spec::Pipeline;

@@ -8,12 +8,6 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Serialize;
 use serde_json::{Value, json};
 
-/// The word that stands for the stage [`AUTO_TYPE`] with its defaults.
-pub const AUTO: &str = "auto";
-
-/// The stage that finds markers where the pipeline leaves the choice.
-pub const AUTO_TYPE: &str = "extremities";
-
 /// Files of markers, or the stage that proposes them.
 #[derive(Debug, Serialize)]
 #[serde(untagged)]

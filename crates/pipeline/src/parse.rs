@@ -2,10 +2,7 @@
 //!
 //! Each slot, and each stage of a sequence, is deserialised on its own, so that a mistake in one does not hide those in others.
 
-use mimesh_core::{
-    plugin,
-    stage::{Landmarks, Transfer},
-};
+use mimesh_core::stage::Transfer;
 use mimesh_document::{
     At, Diagnostics, Document, Step, deserialize, path,
     suggest::{did_you_mean, nearest},
@@ -14,8 +11,9 @@ use serde::de::DeserializeOwned;
 use serde_json::Value;
 
 use crate::{
-    marker_source::{AUTO, AUTO_TYPE, MarkerSource},
-    schema::{COMPOSITION_KEYS, PipelineShapes, SchemaNode, check_ranges, types},
+    choices::{Open, is_open},
+    marker_source::MarkerSource,
+    schema::{COMPOSITION_KEYS, PipelineShapes, SchemaNode, check_ranges},
     spec::Pipeline,
 };
 
@@ -50,6 +48,8 @@ pub struct Parsed {
     pub pipeline: Pipeline,
     /// The paths of the slots that have diagnostics.
     pub rejected: Vec<Vec<Step>>,
+    /// The slots that are left to the program.
+    pub open: Open,
 }
 
 /// The keys of a pipeline, in the order of its documentation.
@@ -74,14 +74,10 @@ pub fn parse(document: &Document, required: Required, diagnostics: &mut Diagnost
         target: slots.required("target").unwrap_or_default(),
         key_points: slots.optional("key_points"),
         markers: slots.markers(),
-        proximity: slots.optional("proximity"),
-        correspondence: if slots.needs_correspondence() {
-            slots.required("correspondence")
-        } else {
-            slots.optional("correspondence")
-        },
+        proximity: slots.stage("proximity"),
+        correspondence: slots.stage("correspondence"),
         keep_correspondence: slots.optional("keep_correspondence"),
-        transfer: slots.required("transfer"),
+        transfer: slots.transfer(),
         truth: slots.optional("truth"),
         metrics: slots.list("metrics"),
         pictures: slots.optional("pictures").unwrap_or_default(),
@@ -89,7 +85,8 @@ pub fn parse(document: &Document, required: Required, diagnostics: &mut Diagnost
         formats: slots.list("formats").unwrap_or_default(),
         output: slots.required("output").unwrap_or_default(),
     };
-    Parsed { pipeline, rejected: slots.rejected }
+    let open = Open::of(document, &slots.suggested);
+    Parsed { pipeline, rejected: slots.rejected, open }
 }
 
 /// The slots of a pipeline, read one after the other.
@@ -121,33 +118,34 @@ impl Slots<'_> {
         }
     }
 
-    /// Whether the transfer asks for a correspondence, as far as it can be understood.
-    fn needs_correspondence(&self) -> bool {
-        let Some(settings) = self.document.value.get("transfer") else { return true };
-        let default = || plugin::instance::<dyn Transfer>(settings.get("type")?.as_str()?);
-        // What is nested in it may matter; where its settings are wrong, the default of its type must do.
-        let transfer: Option<Box<dyn Transfer>> = plugin::configured(settings.clone()).or_else(default);
-        transfer.is_none_or(|transfer| transfer.needs_correspondence())
-    }
-
     fn optional<T: DeserializeOwned>(&mut self, key: &str) -> Option<T> {
         self.value(&path([key]))
     }
 
-    /// The files of markers, or the stage that proposes them: a mapping with `type`, or a word that leaves the choice.
+    /// A stage, unless it is left to the program.
+    fn stage<T: DeserializeOwned>(&mut self, key: &str) -> Option<T> {
+        if is_open(self.document.value.get(key)) { None } else { self.optional(key) }
+    }
+
+    /// The transfer, which a run cannot do without.
+    fn transfer(&mut self) -> Option<Box<dyn Transfer>> {
+        let at = path(["transfer"]);
+        if self.required == Required::Run && self.document.get(&at).is_some_and(Value::is_null) {
+            let message = "a run needs a transfer, found none";
+            let hint = "leave `transfer` out, and it is chosen by the meshes; or name its type";
+            let diagnostic = self.document.diagnostic(&at, At::Value, message).hint(hint);
+            self.diagnostics.push(diagnostic.remedy(LIST_TYPES, "", "list the types"));
+            self.rejected.push(at);
+            return None;
+        }
+        self.stage("transfer")
+    }
+
+    /// The files of markers, or the stage that proposes them, which is a mapping with `type`.
     fn markers(&mut self) -> Option<MarkerSource> {
         let value = self.document.value.get("markers")?;
-        if value.as_str() == Some(AUTO) {
-            let stage = plugin::instance::<dyn Landmarks>(AUTO_TYPE);
-            if stage.is_none() {
-                let message =
-                    format!("`{AUTO}` stands for the stage `{AUTO_TYPE}`, which is not linked into this program");
-                let hint =
-                    format!("name a file, or a stage: `markers: {{ type: {} }}`", types("landmarks").join(" | "));
-                self.diagnostics.push(self.document.diagnostic(&path(["markers"]), At::Value, message).hint(hint));
-                self.rejected.push(path(["markers"]));
-            }
-            return stage.map(MarkerSource::Stage);
+        if is_open(Some(value)) {
+            return None;
         }
         if value.get("type").is_some() {
             return self.optional("markers").map(MarkerSource::Stage);
@@ -185,12 +183,7 @@ impl Slots<'_> {
             let diagnostic = self.document.diagnostic(&[], At::Value, format!("missing key `{key}`"));
             self.diagnostics.push(match key {
                 "source" | "target" => diagnostic.hint(format!("name the mesh, e.g. `{key}: {{ rest: mesh.obj }}`")),
-                "output" => diagnostic.hint("name the files to write, e.g. `output: out/{pose}.obj`"),
-                stage => {
-                    let types = types(stage).join(" | ");
-                    let hint = format!("name its type, e.g. `{stage}: {{ type: {types} }}`");
-                    diagnostic.hint(hint).remedy(LIST_TYPES, "", "list the types")
-                }
+                _ => diagnostic.hint("name the files to write, e.g. `output: out/{pose}.obj`"),
             });
         }
         self.optional(key)
@@ -229,7 +222,7 @@ mod tests {
             );
         }
         let schema = schemars::schema_for!(Pipeline);
-        let required = serde_json::json!(["source", "target", "transfer", "output"]);
+        let required = serde_json::json!(["source", "target", "output"]);
         assert_eq!(schema.get("required"), Some(&required));
     }
 
@@ -290,7 +283,7 @@ mod tests {
     #[test]
     fn missing_keys_are_told_together() {
         let all = diagnostics("markers: a.cons\n");
-        let missing = ["source", "target", "correspondence", "transfer", "output"];
+        let missing = ["source", "target", "output"];
         assert_eq!(all, missing.map(|key| format!("p.yaml:1:1: missing key `{key}`")));
     }
 }

@@ -8,6 +8,7 @@ use serde::Serialize;
 
 use crate::{
     cache::{Cache, CacheCodec, Change, LastRun, PoseCache, RunKeys, StageKey, TransferSummary},
+    choices::Choice,
     input::Prepared,
 };
 
@@ -16,6 +17,9 @@ use crate::{
 pub struct Plan {
     /// The stages in their order; poses come last.
     pub steps: Vec<PlannedStep>,
+    /// What was chosen where the pipeline leaves it open.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub choices: Vec<Choice>,
     /// What the cache holds of the run; `None` for a run without a cache.
     #[serde(skip)]
     pub cached: Option<CachedRun>,
@@ -109,7 +113,7 @@ impl Plan {
         let mut steps: Vec<_> =
             stages(prepared).into_iter().map(|(stage, name)| step(stage, name, Action::Run, reason)).collect();
         steps.push(PlannedStep { runs: all, of: all, ..step("poses", "", Action::Run, reason) });
-        Self { steps, cached: None }
+        Self { steps, choices: prepared.choices.clone(), cached: None }
     }
 
     fn with_cache(prepared: &Prepared, cache: &Cache) -> Self {
@@ -120,7 +124,7 @@ impl Plan {
             .map(|(stage, name)| planned(stage, name, prepared, cache, &cached, &last_run))
             .collect();
         steps.push(planned_poses(prepared.poses.len(), &cached));
-        Self { steps, cached: Some(cached) }
+        Self { steps, choices: prepared.choices.clone(), cached: Some(cached) }
     }
 }
 

@@ -7,6 +7,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::{
+    choices::stage_or_auto,
     marker_source::MarkerSource,
     one_or_many::OneOrMany,
     pose_files::Poses,
@@ -33,24 +34,34 @@ pub struct Pipeline {
     /// Files of points are MeshLab's `.pp`, Wrap's `.json` and `.txt`, and named points as `.csv` or `.json`; they are
     /// paired by name, else by order. Points given by position go to the closest place of the surface.
     ///
-    /// `auto` finds them by the shapes of the meshes, as `{ type: extremities }` does, whose settings may follow: for shapes with limbs.
+    /// `{ type: extremities }`, whose settings may follow, finds them by the shapes of the meshes: for shapes with limbs.
     ///
-    /// Left out, landmarks of equal names are the markers, where both meshes have landmarks (those of generators do).
+    /// Left out or `auto`, landmarks of equal names are the markers, where both meshes have landmarks (those of generators do). Where
+    /// these are too few for what needs markers, they are found by shape. `~` stands for no markers.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("examples" = ["horse_camel.cons", { "source": "horse.pp", "target": "camel.pp" }, "auto"]))]
     pub markers: Option<MarkerSource>,
     /// How the components of the target lie to each other; needed by `transfer: { type: multi_component }`, and for
     /// components without markers to follow those that have them.
+    ///
+    /// Left out or `auto`, a stage is chosen where others need it. `~` stands for none.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(schema_with = "stage_or_auto::<dyn Proximity>")]
     pub proximity: Option<Box<dyn Proximity>>,
     /// How triangles of source and target are paired; `transfer: { type: biharmonic }` does without.
+    ///
+    /// Left out or `auto`, it is chosen where the transfer or a metric that the pipeline names needs it: `identity` for meshes of one
+    /// topology, `nearest` for those that lie on each other, else `nonrigid_fit`. `~` stands for none.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(schema_with = "stage_or_auto::<dyn Correspondence>")]
     pub correspondence: Option<Box<dyn Correspondence>>,
     /// Writes the triangle pairs to this JSON file, for `correspondence: { type: from_file, path: … }`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub keep_correspondence: Option<PathBuf>,
     /// How the motion is carried over.
-    #[schemars(required)]
+    ///
+    /// Left out or `auto`, `gradient` for a target of one component, and `multi_component` for one of several.
+    #[schemars(schema_with = "stage_or_auto::<dyn Transfer>")]
     pub transfer: Option<Box<dyn Transfer>>,
     /// The known results to score against: a file a pose with `{pose}` in its name, or one file that holds all poses.
     ///

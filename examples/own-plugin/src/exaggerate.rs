@@ -52,6 +52,10 @@ impl Transfer for Exaggerate {
         self.with_other(|of| Ok(of.needs_correspondence())).unwrap_or(true)
     }
 
+    fn markers_needed(&self) -> usize {
+        self.with_other(|of| Ok(of.markers_needed())).unwrap_or(0)
+    }
+
     fn poses_wanted(&self) -> usize {
         self.with_other(|of| Ok(of.poses_wanted())).unwrap_or(0)
     }

@@ -65,6 +65,10 @@ impl Metric for MapCollapse {
         ]
     }
 
+    fn needs_map(&self) -> bool {
+        true
+    }
+
     fn by_default(&self) -> bool {
         true
     }

@@ -67,6 +67,10 @@ impl Metric for MapTears {
         ]
     }
 
+    fn needs_map(&self) -> bool {
+        true
+    }
+
     fn by_default(&self) -> bool {
         true
     }

@@ -65,6 +65,10 @@ impl Transfer for Blend {
         self.parts.iter().any(|part| part.transfer.needs_correspondence())
     }
 
+    fn markers_needed(&self) -> usize {
+        self.parts.iter().map(|part| part.transfer.markers_needed()).max().unwrap_or(0)
+    }
+
     fn poses_wanted(&self) -> usize {
         self.parts.iter().map(|part| part.transfer.poses_wanted()).max().unwrap_or(0)
     }

@@ -45,6 +45,10 @@ impl Transfer for Chain {
         self.transfers.first().is_none_or(|first| first.needs_correspondence())
     }
 
+    fn markers_needed(&self) -> usize {
+        self.transfers.iter().map(|transfer| transfer.markers_needed()).max().unwrap_or(0)
+    }
+
     fn poses_wanted(&self) -> usize {
         self.transfers.iter().map(|transfer| transfer.poses_wanted()).max().unwrap_or(0)
     }

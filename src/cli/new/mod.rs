@@ -1,4 +1,4 @@
-//! `mimesh new`: a crate with a stage of your own to begin with.
+//! `mimesh new`: a crate with a stage of your own, or a pipeline for two meshes, to begin with.
 
 use std::{
     fs,
@@ -16,6 +16,7 @@ use crate::cli::{CommandResult, status::Status, terminal};
 
 mod kind;
 mod name;
+mod pipeline;
 mod source;
 mod template;
 
@@ -24,7 +25,7 @@ use name::Name;
 use source::Source;
 use template::Template;
 
-/// Writes a crate with a stage of your own to begin with.
+/// Writes a crate with a stage of your own, or a pipeline for two meshes, to begin with.
 #[derive(Debug, clap::Args)]
 pub struct New {
     #[command(subcommand)]
@@ -34,6 +35,7 @@ pub struct New {
 #[derive(Debug, clap::Subcommand)]
 enum Item {
     Plugin(NewPlugin),
+    Pipeline(pipeline::NewPipeline),
 }
 
 /// Writes a crate with a stage of your own.
@@ -61,6 +63,7 @@ impl New {
     pub fn run(&self) -> CommandResult {
         match &self.item {
             Item::Plugin(plugin) => plugin.run(),
+            Item::Pipeline(pipeline) => pipeline.run(),
         }
     }
 }

@@ -52,6 +52,11 @@ pub struct ProposedPair {
 }
 
 impl Proposal {
+    /// The points of the pairs, without confidences.
+    pub fn markers(&self) -> Vec<Marker> {
+        self.pairs.iter().map(|pair| pair.marker.clone()).collect()
+    }
+
     /// Checks that all points exist, that no two pairs share one, and that confidences lie in 0 to 1, in every reading.
     ///
     /// # Errors

@@ -38,6 +38,11 @@ pub trait Metric: Debug + Send + Sync {
         false
     }
 
+    /// Whether it gives no statistics without a triangle map.
+    fn needs_map(&self) -> bool {
+        false
+    }
+
     /// Whether it is measured where a pipeline names no metrics.
     fn by_default(&self) -> bool {
         false

@@ -42,6 +42,11 @@ pub trait Transfer: Debug + Send + Sync {
         true
     }
 
+    /// How many markers [`bind`](Self::bind) needs, so that a pipeline can be checked without computing.
+    fn markers_needed(&self) -> usize {
+        0
+    }
+
     /// How many poses of the source [`bind`](Self::bind) wants to see; they are held in memory together.
     fn poses_wanted(&self) -> usize {
         0

@@ -16,6 +16,8 @@ pub struct Options {
     pub settings: Vec<String>,
     /// The folder for results, instead of those of the outputs.
     pub out: Option<PathBuf>,
+    /// The name of the report, instead of `run.json`.
+    pub report: Option<String>,
     /// Folders whose files meshes may open, beside their own and that of the pipeline.
     pub roots: Vec<PathBuf>,
 }

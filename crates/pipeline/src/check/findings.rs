@@ -3,10 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use mimesh_core::Error;
-use mimesh_document::{At, Diagnostic, Diagnostics, Document, Kind, Step, paths};
+use mimesh_document::{At, Diagnostic, Diagnostics, Document, Kind, Location, Step, paths};
 use serde_json::Value;
 
-use crate::{formats::Formats, input::InputFile};
+use crate::{choices::Choice, formats::Formats, input::InputFile};
 
 /// What a check has found so far.
 #[derive(Debug, Default)]
@@ -17,6 +17,8 @@ pub(super) struct Findings {
     pub warnings: Vec<String>,
     /// The files that a run reads.
     pub inputs: Vec<InputFile>,
+    /// What was chosen where the pipeline leaves it open.
+    pub choices: Vec<Choice>,
 }
 
 /// The document that is checked, and the formats that it configures.
@@ -43,6 +45,15 @@ impl Scope<'_> {
 }
 
 impl Findings {
+    /// Adds all that was found elsewhere.
+    pub fn absorb(&mut self, other: Self) {
+        let Self { diagnostics, warnings, inputs, choices } = other;
+        self.diagnostics.extend(diagnostics);
+        self.warnings.extend(warnings);
+        self.inputs.extend(inputs);
+        self.choices.extend(choices);
+    }
+
     /// Adds a diagnostic at `path`.
     pub fn wrong(
         &mut self,
@@ -78,8 +89,11 @@ impl Findings {
             let hint = "name a file in it; `*.obj` in quotes stands for all of a kind";
             self.missing(scope, at, format!("{} is a folder, expected a file", path.display()), hint);
         } else {
-            let hint = paths::similar_file(path)
-                .unwrap_or_else(|| "paths are relative to the folder of the pipeline's file".into());
+            let base = match scope.document.location(at, At::Value) {
+                Location::Argument(_) => "the current folder",
+                _ => "the folder of the pipeline's file",
+            };
+            let hint = paths::similar_file(path).unwrap_or_else(|| format!("paths are relative to {base}"));
             self.missing(scope, at, format!("no such file: {}", path.display()), hint);
         }
         false

@@ -6,17 +6,22 @@ use mimesh_core::{
     mesh::MeshSequence,
     stage::{ClipChoice, PoseChoice, RestShape, Selection, check_pose},
 };
-use mimesh_document::{At, Step, path};
+use mimesh_document::{At, Diagnostic, Kind, Step, path};
 
 use super::{
     findings::{Findings, Scope},
     rest_meshes::in_file,
 };
 use crate::{
+    choices::Choice,
     input::{PoseFrom, PoseInput, RestMesh},
-    pose_files::ClipPoses,
+    one_or_many::OneOrMany,
+    pose_files::{ClipPoses, Poses},
     text::some_of,
 };
+
+/// Remedy: name the poses of the source.
+pub const NAME_POSES: &str = "name_poses";
 
 /// Whether the file of a pose, named at `at`, exists and has a format; else there is a diagnostic.
 pub(super) fn is_readable(scope: Scope<'_>, found: &mut Findings, file: &Path, at: &[Step]) -> bool {
@@ -39,22 +44,36 @@ fn held_poses(mesh: &RestMesh, first: usize) -> Vec<PoseInput> {
         .collect()
 }
 
+/// The clip of the rest's file that stands for the poses where no others are declared and the file holds no shapes: the only one, or
+/// the first one that lasts.
+pub(super) fn own_clip(mesh: &RestMesh) -> Option<(Poses, Choice)> {
+    let clips = &mesh.sequence.animations;
+    let clip = clips.iter().find(|clip| clip.seconds > 0.0).or(clips.first())?;
+    if !mesh.sequence.poses.is_empty() {
+        return None;
+    }
+    let why = match clips.len() {
+        1 => "the file of the source has no morph targets and this clip alone".into(),
+        many => {
+            let names: Vec<&str> = clips.iter().map(|clip| clip.name.as_str()).collect();
+            format!("the file of the source has no morph targets, and {many} clips: {}", some_of(&names))
+        }
+    };
+    let named = OneOrMany { items: vec![clip.name.clone()], listed: false };
+    let choice = Choice::new("source.poses", format!("clip {}", clip.name), why);
+    Some((Poses::Clips(ClipPoses { clip: named, ..ClipPoses::default() }), choice))
+}
+
 /// The poses of the rest mesh where no others are declared.
 pub(super) fn own_poses(scope: Scope<'_>, found: &mut Findings, mesh: &RestMesh) -> Vec<PoseInput> {
     let poses = held_poses(mesh, 0);
     // A wrong `poses` has a diagnostic of its own.
     let declared = scope.document.value.get("source").and_then(|source| source.get("poses"));
     if poses.is_empty() && declared.is_none_or(serde_json::Value::is_null) {
-        let clips: Vec<&str> = mesh.sequence.animations.iter().map(|clip| clip.name.as_str()).collect();
-        let (reason, hint) = match (&mesh.path, clips.first()) {
-            (None, _) => ("the generator makes none", "name their files, e.g. `poses: horse-??.obj`".into()),
-            (_, None) => ("the rest file holds none", "name their files, e.g. `poses: horse-??.obj`".into()),
-            (_, Some(first)) => (
-                "the chosen meshes of the rest file have no morph targets",
-                format!("its clips serve as poses, e.g. `poses: {{ clip: {first} }}`; clips: {}", some_of(&clips)),
-            ),
-        };
-        found.missing(scope, &path(["source"]), format!("the source has no poses: {reason}"), hint);
+        let reason = if mesh.path.is_some() { "the rest file holds none" } else { "the generator makes none" };
+        let at = scope.document.location(&path(["source"]), At::Value);
+        let diagnostic = Diagnostic::new(Kind::MissingInput, format!("the source has no poses: {reason}")).at(at);
+        found.diagnostics.push(diagnostic.remedy(NAME_POSES, "", "name their files, e.g. `poses: horse-??.obj`"));
     }
     poses
 }

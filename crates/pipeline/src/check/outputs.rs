@@ -14,13 +14,15 @@ use super::{
     writable::{Destination, WritableFiles},
 };
 use crate::{
+    choices::is_open,
     formats::Writes,
     input::{Output, Outputs, PoseInput, RestMesh},
     placeholder::{POSE, placeholders, with_pose},
     spec::Pipeline,
 };
 
-/// The files that a run writes, as far as they can be known; `out` takes all results if it is given.
+/// The files that a run writes, as far as they can be known; `out` takes all results if it is given, and the file `report` beside the
+/// first of them the report.
 pub(super) fn outputs(
     scope: Scope<'_>,
     found: &mut Findings,
@@ -28,6 +30,7 @@ pub(super) fn outputs(
     target: Option<&RestMesh>,
     poses: &[PoseInput],
     out: Option<&Destination<'_>>,
+    report: &str,
 ) -> Outputs {
     let slot = path(["output"]);
     let mut files = WritableFiles::new(&found.inputs, out);
@@ -43,7 +46,7 @@ pub(super) fn outputs(
         let at = if pipeline.output.listed { [&slot[..], &[Step::Index(i)]].concat() } else { slot.clone() };
         let pattern = destination(scope, out, &at, Path::new(item));
         if outputs.report.as_os_str().is_empty() {
-            outputs.report = pattern.parent().unwrap_or(Path::new("")).join("run.json");
+            outputs.report = pattern.parent().unwrap_or(Path::new("")).join(report);
         }
         // Folders that are given beside the file may be called anything.
         if let Some((message, hint)) = wrong_placeholder(item) {
@@ -76,7 +79,8 @@ pub(super) fn outputs(
             found.wrong(scope, &at, At::Value, message, format!("remove `{{{name}}}`"));
         }
         let file = destination(scope, out, &at, file);
-        if pipeline.transfer.is_some() && scope.document.value.get("correspondence").is_none() {
+        let given = scope.document.value.get("correspondence").is_some_and(|value| !is_open(Some(value)));
+        if pipeline.transfer.is_some() && pipeline.correspondence.is_none() && !given {
             let hint = "add e.g. `correspondence: { type: nonrigid_fit }`, or remove `keep_correspondence`";
             found.wrong(scope, &at, At::Key, "`keep_correspondence` without `correspondence`", hint);
         }

@@ -40,13 +40,13 @@ pub fn prepare_source(file: &Path, options: &Options, cache: Option<&Cache>) -> 
     let Part { mut document, included, targets } = compose_part(file, &options.settings, &slots)?;
     resolve_files(&mut document);
     let mut found = Findings { inputs: pipeline_files(file, &included), ..Findings::default() };
-    let Parsed { mut pipeline, rejected } = parse(&document, Required::Source, &mut found.diagnostics);
+    let Parsed { mut pipeline, rejected, .. } = parse(&document, Required::Source, &mut found.diagnostics);
     let formats = Formats::new(std::mem::take(&mut pipeline.formats), options.reach(file));
     let scope = Scope { document: &document, formats: &formats, rejected: &rejected };
     check_registry(&mut found);
     check_formats(scope, &mut found);
     let seam_cache = SeamCache { cache, hashes: &FileHashes::default() };
-    let (source, poses) = poses::source(scope, &mut found, &pipeline.source, seam_cache);
+    let (source, poses, _) = poses::source(scope, &mut found, &pipeline.source, seam_cache);
     let files_of_markers =
         pipeline.markers.as_ref().and_then(MarkerSource::files).map(|files| marker_files(scope, files));
     let target = pipeline.target.rest.map(|rest| rest.file).filter(|_| targets.len() <= 1);
@@ -77,10 +77,10 @@ pub fn prepare_meshes(file: &Path, options: &Options) -> Result<Meshes> {
     }
     resolve_files(&mut document);
     let mut found = Findings { inputs: pipeline_files(file, &included), ..Findings::default() };
-    let Parsed { mut pipeline, rejected } = parse(&document, Required::Meshes, &mut found.diagnostics);
+    let Parsed { mut pipeline, rejected, .. } = parse(&document, Required::Meshes, &mut found.diagnostics);
     let formats = Formats::new(std::mem::take(&mut pipeline.formats), options.reach(file));
     let scope = Scope { document: &document, formats: &formats, rejected: &rejected };
-    let source = poses::rest_file(scope, &mut found, &pipeline.source);
+    let source = poses::rest_file(scope, &mut found, &pipeline.source, pipeline.source.poses.as_ref());
     let target = rest_meshes::target(scope, &mut found, &pipeline.target);
     let files_of_markers = pipeline.markers.as_ref().and_then(MarkerSource::files);
     let markers = files_of_markers.map(|files| marker_files(scope, files));

@@ -14,7 +14,7 @@ use mimesh_document::{
 
 use super::{
     findings::{Findings, Scope},
-    held_poses::{check_times, frames, is_readable, own_poses, poses_in},
+    held_poses::{check_times, frames, is_readable, own_clip, own_poses, poses_in},
     rest_meshes::{at_file, in_file, rest_mesh},
     seams::{self, SeamCache},
 };
@@ -27,13 +27,13 @@ use crate::{
     spec::Source,
 };
 
-/// The source and its poses, as far as they can be had.
+/// The source and its poses, as far as they can be had, and what was chosen for its poses if `source` leaves them open.
 pub(super) fn source(
     scope: Scope<'_>,
     found: &mut Findings,
     source: &Source,
     by: SeamCache<'_>,
-) -> (Option<RestMesh>, Vec<PoseInput>) {
+) -> (Option<RestMesh>, Vec<PoseInput>, Option<Poses>) {
     if source.generator.is_some() && source.poses.is_some() {
         let hint = "a generator brings its own poses; remove `poses`";
         found.wrong(scope, &path(["source", "poses"]), At::Key, "`poses` beside `generator`", hint);
@@ -41,10 +41,10 @@ pub(super) fn source(
     if let Some(Poses::Clips(clips)) = &source.poses
         && !check_times(scope, found, clips)
     {
-        return (None, vec![]);
+        return (None, vec![], None);
     }
-    let mut mesh = rest_file(scope, found, source);
-    let poses = match (&source.poses, &mut mesh) {
+    let (mut mesh, chosen) = rest_and_clip(scope, found, source);
+    let poses = match (source.poses.as_ref().or(chosen.as_ref()), &mut mesh) {
         (Some(Poses::Files(patterns)), mesh) => {
             let files = pose_files(scope, found, patterns, source.rest.as_ref());
             let named = |file: PoseInput| (file.name.clone(), poses_in(scope, found, mesh.as_mut(), file));
@@ -60,18 +60,42 @@ pub(super) fn source(
         (Some(mesh), Some(name)) => resting_at(scope, found, mesh, &poses, name),
         (mesh, _) => mesh,
     };
-    let Some(mut mesh) = mesh else { return (None, poses) };
+    let Some(mut mesh) = mesh else { return (None, poses, chosen) };
     match &source.opened_seams {
-        Some(points) if !seams::open_named(scope, found, "source", &mut mesh, points) => return (None, poses),
+        Some(points) if !seams::open_named(scope, found, "source", &mut mesh, points) => return (None, poses, chosen),
         Some(_) => {}
         None => seams::open_parted(scope, found, &mut mesh, &poses, by),
     }
-    (Some(mesh), poses)
+    (Some(mesh), poses, chosen)
+}
+
+/// The source at rest, and the clip that is chosen for its poses where they are left open and its file has nothing but clips.
+fn rest_and_clip(scope: Scope<'_>, found: &mut Findings, source: &Source) -> (Option<RestMesh>, Option<Poses>) {
+    let mut own = Findings::default();
+    let mut mesh = rest_file(scope, &mut own, source, source.poses.as_ref());
+    let declared = scope.document.get(&path(["source", "poses"]));
+    let is_open = declared.is_none_or(serde_json::Value::is_null) && source.generator.is_none();
+    let chosen = mesh.as_ref().filter(|_| is_open).and_then(own_clip);
+    if let Some((poses, choice)) = &chosen {
+        // Frames of a clip are read with the mesh.
+        own = Findings::default();
+        mesh = rest_file(scope, &mut own, source, Some(poses));
+        own.choices.push(choice.clone());
+    }
+    found.absorb(own);
+    (mesh, chosen.map(|(poses, _)| poses))
 }
 
 /// The source as its file or its generator has it at rest.
-pub(super) fn rest_file(scope: Scope<'_>, found: &mut Findings, source: &Source) -> Option<RestMesh> {
-    let poses = match &source.poses {
+///
+/// `poses` are those of `source`, or chosen for it.
+pub(super) fn rest_file(
+    scope: Scope<'_>,
+    found: &mut Findings,
+    source: &Source,
+    poses: Option<&Poses>,
+) -> Option<RestMesh> {
+    let poses = match poses {
         None => PoseChoice::Shapes,
         Some(Poses::Clips(clips)) if clips.file.is_none() => PoseChoice::Clips(clips.choice()),
         Some(_) => PoseChoice::Nothing,

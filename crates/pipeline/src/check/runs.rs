@@ -1,15 +1,15 @@
 //! Checking all runs that a file declares.
 
 use std::{
-    path::{Path, PathBuf},
+    path::Path,
     sync::{Arc, OnceLock},
 };
 
 use mimesh_core::{
     Figures,
-    stage::{Marker, Proximity, ProximityGraph},
+    stage::{Marker, Proximity, ProximityGraph, TransferPair},
 };
-use mimesh_document::diagnostic::Result;
+use mimesh_document::{Document, diagnostic::Result};
 
 use super::{
     common::{Options, check_formats, check_registry, pipeline_files, refused_without_reason},
@@ -28,10 +28,11 @@ use super::{
 };
 use crate::{
     cache::{Cache, proximity_key},
+    choices::{Open, choose_markers, choose_proximity, choose_stages, in_order},
     compose::{self, Run, Runs, Variant},
     formats::Formats,
     handedness,
-    input::{FileHashes, Prepared, ProximityInput, RestMesh},
+    input::{FileHashes, InputFile, Prepared, ProximityInput, RestMesh},
     marker_source::MarkerSource,
     parse::{Parsed, Required, parse},
     report::Clock,
@@ -47,14 +48,39 @@ use crate::{
 ///
 /// All that can be found wrong with any run without computing or reading poses, each once.
 pub fn prepare_all(file: &Path, options: &Options, cache: Option<&Cache>) -> Result<Vec<Prepared>> {
-    let mut clock = Clock::start();
-    let Runs { runs, included, diagnostics, suppressed, warnings } = compose::compose(file, &options.settings)?;
+    let clock = Clock::start();
+    let runs = compose::compose(file, &options.settings)?;
+    let files = pipeline_files(file, &runs.included);
+    prepare_runs(file, files, runs, options, cache, clock)
+}
+
+/// Checks the pipeline in `document`, which no file holds, as [`prepare_all`] does.
+///
+/// # Errors
+///
+/// Those of [`prepare_all`].
+pub fn prepare_document(document: Document, options: &Options, cache: Option<&Cache>) -> Result<Vec<Prepared>> {
+    let clock = Clock::start();
+    let file = document.file.clone();
+    let runs = compose::compose_document(document, vec![], &options.settings)?;
+    prepare_runs(&file, vec![], runs, options, cache, clock)
+}
+
+fn prepare_runs(
+    file: &Path,
+    files: Vec<InputFile>,
+    runs: Runs,
+    options: &Options,
+    cache: Option<&Cache>,
+    mut clock: Clock,
+) -> Result<Vec<Prepared>> {
+    let Runs { runs, diagnostics, suppressed, warnings, .. } = runs;
     let mut collected = RunDiagnostics::new(&runs, diagnostics, suppressed);
     let (several, meshes) = (runs.len() > 1, SharedMeshes::default());
     let mut shared = Shared { several, meshes, hashes: Arc::default(), cache };
     let mut prepared = Vec::new();
     for (i, run) in runs.into_iter().enumerate() {
-        match prepare_one(file, &included, run, options, &mut shared, clock) {
+        match prepare_one(file, &files, run, options, &mut shared, clock) {
             Ok(one) => prepared.push(one),
             Err(diagnostics) => collected.add(i, diagnostics),
         }
@@ -96,7 +122,7 @@ struct Shared<'a> {
 /// Checks one run; `clock` has been running since its reading began.
 fn prepare_one(
     file: &Path,
-    included: &[PathBuf],
+    files_of_pipeline: &[InputFile],
     run: Run,
     options: &Options,
     shared: &mut Shared<'_>,
@@ -104,15 +130,15 @@ fn prepare_one(
 ) -> Result<Prepared> {
     let Run { variant, mut document } = run;
     let files = resolve_files(&mut document);
-    let mut found = Findings { inputs: pipeline_files(file, included), ..Findings::default() };
-    let Parsed { mut pipeline, rejected } = parse(&document, Required::Run, &mut found.diagnostics);
+    let mut found = Findings { inputs: files_of_pipeline.to_vec(), ..Findings::default() };
+    let Parsed { mut pipeline, rejected, open } = parse(&document, Required::Run, &mut found.diagnostics);
     let formats = Formats::new(std::mem::take(&mut pipeline.formats), options.reach(file));
     let scope = Scope { document: &document, formats: &formats, rejected: &rejected };
     let found_mut = &mut found;
     check_registry(found_mut);
     check_formats(scope, found_mut);
     let seam_cache = SeamCache { cache: shared.cache, hashes: &shared.hashes };
-    let (source, poses) = shared.meshes.source(scope, found_mut, &pipeline.source, seam_cache);
+    let (source, poses) = shared.meshes.source(scope, found_mut, &mut pipeline.source, seam_cache);
     let target = shared.meshes.target(scope, found_mut, &pipeline.target);
     let target = match &source {
         Some(source) if pipeline.target.opened_seams.is_none() => {
@@ -121,14 +147,15 @@ fn prepare_one(
         _ => target,
     };
     check_inside_out(found_mut, source.as_deref(), target.as_deref());
-    let files_of_markers = pipeline.markers.as_ref().and_then(MarkerSource::files);
+    let meshes = source.as_deref().zip(target.as_deref());
+    if let Some((source, target)) = meshes {
+        let pair = rest_pair(source, target);
+        let metrics = pipeline.metrics.take();
+        found_mut.choices.extend(choose_stages(&mut pipeline, open, pair, metrics.as_deref().unwrap_or_default()));
+        pipeline.metrics = metrics;
+    }
+    let markers = marker_input(scope, found_mut, &mut pipeline, open, meshes, &shared.hashes);
     let are_proposed = pipeline.markers.as_ref().and_then(MarkerSource::stage).is_some();
-    let markers = if are_proposed {
-        // The run proposes them; what needs them is left to it.
-        Some(vec![])
-    } else {
-        markers(scope, found_mut, files_of_markers, source.as_deref(), target.as_deref(), &shared.hashes)
-    };
     let truth = ground_truth(scope, found_mut, pipeline.truth.as_deref(), target.as_deref(), &poses);
     let metrics = metrics(scope, found_mut, pipeline.metrics.take(), &truth);
     let gates = gates(scope, found_mut, &pipeline.gates, &metrics, &truth);
@@ -139,9 +166,11 @@ fn prepare_one(
     }
     check_files(scope, found_mut, &files);
     let meshes = source.as_deref().zip(target.as_deref());
-    let proximity = stages_and_proximity(scope, found_mut, &pipeline, meshes, markers.as_deref(), shared);
+    let proximity =
+        stages_and_proximity(scope, found_mut, &mut pipeline, open.proximity, meshes, markers.as_deref(), shared);
     let out = options.out.as_deref().map(|given| destination(given, &variant, shared.several));
-    let outputs = outputs(scope, found_mut, &pipeline, target.as_deref(), &poses, out.as_ref());
+    let report = options.report.as_deref().unwrap_or("run.json");
+    let outputs = outputs(scope, found_mut, &pipeline, target.as_deref(), &poses, out.as_ref(), report);
     found.diagnostics.into_result()?;
     let (Some(source), Some(target), Some(markers)) = (source, target, markers) else {
         return Err(refused_without_reason().into());
@@ -157,12 +186,14 @@ fn prepare_one(
         set: options.settings.clone(),
         inputs: found.inputs,
         warnings: found.warnings,
+        choices: in_order(found.choices),
         hashes: shared.hashes.clone(),
         reading,
         formats,
         source,
         target,
         pipeline,
+        document,
         poses,
         markers: if are_proposed { OnceLock::new() } else { markers.into() },
         proximity,
@@ -173,11 +204,40 @@ fn prepare_one(
     })
 }
 
-/// Checks the stages, and computes the proximity graph that their checks need.
+/// The two surfaces without markers.
+fn rest_pair<'a>(source: &'a RestMesh, target: &'a RestMesh) -> TransferPair<'a> {
+    TransferPair { source: &source.surface, target: target.seen_surface(), markers: &[], proximity: None }
+}
+
+/// The markers as far as they can be had; none where a stage proposes them, and where the pipeline wants none.
+fn marker_input(
+    scope: Scope<'_>,
+    found: &mut Findings,
+    pipeline: &mut Pipeline,
+    open: Open,
+    meshes: Option<(&RestMesh, &RestMesh)>,
+    hashes: &FileHashes,
+) -> Option<Vec<Marker>> {
+    // The run proposes them; what needs them is left to it.
+    if pipeline.markers.as_ref().and_then(MarkerSource::stage).is_some() || (pipeline.markers.is_none() && !open.markers) {
+        return Some(vec![]);
+    }
+    let files = pipeline.markers.as_ref().and_then(MarkerSource::files);
+    let (source, target) = (meshes.map(|(source, _)| source), meshes.map(|(_, target)| target));
+    let markers = markers(scope, found, files, source, target, hashes)?;
+    if !open.markers {
+        return Some(markers);
+    }
+    found.choices.extend(choose_markers(pipeline, &markers));
+    Some(if pipeline.markers.is_some() { vec![] } else { markers })
+}
+
+/// Checks the stages, and computes the proximity graph that their checks need; chooses one if it is `open`.
 fn stages_and_proximity(
     scope: Scope<'_>,
     found: &mut Findings,
-    pipeline: &Pipeline,
+    pipeline: &mut Pipeline,
+    open: bool,
     meshes: Option<(&RestMesh, &RestMesh)>,
     markers: Option<&[Marker]>,
     shared: &Shared<'_>,
@@ -188,15 +248,25 @@ fn stages_and_proximity(
         return None;
     }
     let (source, target) = meshes?;
-    let proximity = match &pipeline.proximity {
+    let given = pipeline.proximity.as_ref().map(|stage| proximity(stage.as_ref(), target, shared));
+    let proximity = match given {
+        Some(Ok(proximity)) => Some(proximity),
+        Some(Err(error)) => {
+            let name = pipeline.proximity.as_ref().map_or("", |stage| stage.typetag_name());
+            refused(scope, found, "proximity", name, error);
+            return None;
+        }
+        None if open => {
+            let known = (!are_proposed).then_some(markers);
+            let compute = |stage: &dyn Proximity| proximity(stage, target, shared);
+            // What cannot be linked is refused by the stage that needs it.
+            let chosen = choose_proximity(pipeline, rest_pair(source, target), known, compute).ok().flatten();
+            chosen.map(|(choice, proximity)| {
+                found.choices.push(choice);
+                proximity
+            })
+        }
         None => None,
-        Some(stage) => match proximity(stage.as_ref(), target, shared) {
-            Ok(proximity) => Some(proximity),
-            Err(error) => {
-                refused(scope, found, "proximity", stage.typetag_name(), error);
-                return None;
-            }
-        },
     };
     let graph = proximity.as_ref().map(|proximity| &proximity.graph);
     // What stages refuse may depend on markers, and a run finds it anyway.

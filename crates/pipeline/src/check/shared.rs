@@ -11,12 +11,14 @@ use super::{
     seams::{self, SeamCache},
 };
 use crate::{
+    choices::Choice,
     input::{InputFile, PoseInput, RestMesh},
+    pose_files::Poses,
     spec::{Source, Target},
 };
 
 /// A source and its poses, as far as they can be had.
-type SourceMesh = (Option<Arc<RestMesh>>, Vec<PoseInput>);
+type SourceMesh = (Option<Arc<RestMesh>>, Vec<PoseInput>, Option<Poses>);
 
 /// The meshes of several runs of one file, by what the document declares of them.
 #[derive(Debug, Default)]
@@ -32,15 +34,26 @@ struct Read<T> {
     inputs: Vec<InputFile>,
     diagnostics: Vec<Diagnostic>,
     warnings: Vec<String>,
+    choices: Vec<Choice>,
 }
 
 impl SharedMeshes {
     /// The source and its poses, as far as they can be had.
-    pub fn source(&mut self, scope: Scope<'_>, found: &mut Findings, source: &Source, by: SeamCache<'_>) -> SourceMesh {
-        once(&mut self.sources, scope, found, "source", |found| {
-            let (mesh, poses) = poses::source(scope, found, source, by);
-            (mesh.map(Arc::new), poses)
-        })
+    ///
+    /// Poses that are chosen for it are put into `source`.
+    pub fn source(
+        &mut self,
+        scope: Scope<'_>,
+        found: &mut Findings,
+        source: &mut Source,
+        by: SeamCache<'_>,
+    ) -> (Option<Arc<RestMesh>>, Vec<PoseInput>) {
+        let (mesh, poses, chosen) = once(&mut self.sources, scope, found, "source", |found| {
+            let chosen = poses::source(scope, found, source, by);
+            (chosen.0.map(Arc::new), chosen.1, chosen.2)
+        });
+        source.poses = source.poses.take().or(chosen);
+        (mesh, poses)
     }
 
     /// The target, as far as it can be had.
@@ -61,11 +74,12 @@ fn once<T: Clone>(
     let read = known.entry(key).or_insert_with(|| {
         let mut own = Findings::default();
         let value = read(&mut own);
-        Read { value, inputs: own.inputs, diagnostics: own.diagnostics.list, warnings: own.warnings }
+        Read { value, inputs: own.inputs, diagnostics: own.diagnostics.list, warnings: own.warnings, choices: own.choices }
     });
     found.inputs.extend(read.inputs.iter().cloned());
     found.diagnostics.extend(read.diagnostics.iter().cloned());
     found.warnings.extend(read.warnings.iter().cloned());
+    found.choices.extend(read.choices.iter().cloned());
     read.value.clone()
 }
 

@@ -68,7 +68,16 @@ pub struct Runs {
 /// If files cannot be read, are no YAML, or include each other in a circle, and settings that are not understood; what else is
 /// wrong is in the result.
 pub fn compose(file: &Path, settings: &[String]) -> Result<Runs> {
-    let (mut whole, included) = include::read(file)?;
+    let (whole, included) = include::read(file)?;
+    compose_document(whole, included, settings)
+}
+
+/// The same for a document that was read, with the files that it includes.
+///
+/// # Errors
+///
+/// Settings that are not understood; what else is wrong is in the result.
+pub fn compose_document(mut whole: Document, included: Vec<PathBuf>, settings: &[String]) -> Result<Runs> {
     let (of_whole, of_runs) = sort(settings);
     overrides::apply(&mut whole, &of_whole, &PipelineShapes)?;
     // A matrix set to nothing is an empty one.

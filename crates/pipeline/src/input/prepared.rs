@@ -6,10 +6,11 @@ use std::{
 };
 
 use mimesh_core::stage::{KeyPoints, Landmarks, Marker, Metric, ProximityGraph};
+use mimesh_document::Document;
 use mimesh_markers::MarkerFiles;
 
 use super::{FileHashes, GroundTruth, Outputs, PoseInput, RestMesh};
-use crate::{compose::Variant, formats::Formats, metrics::Gate, report::StageReport, spec::Pipeline};
+use crate::{choices::Choice, compose::Variant, formats::Formats, metrics::Gate, report::StageReport, spec::Pipeline};
 
 /// A pipeline without mistakes, its rest meshes read.
 #[derive(Debug)]
@@ -18,7 +19,7 @@ pub struct Prepared {
     pub file: PathBuf,
     /// The targets and values that distinguish it from the other runs of the file.
     pub variant: Variant,
-    /// The settings; paths of stages are relative to the current folder.
+    /// The settings, with what was chosen; paths of stages are relative to the current folder.
     pub pipeline: Pipeline,
     /// The values that were set beside the file.
     pub set: Vec<String>,
@@ -46,6 +47,10 @@ pub struct Prepared {
     pub inputs: Vec<InputFile>,
     /// Sizes and hashes of the inputs.
     pub hashes: Arc<FileHashes>,
+    /// What was chosen where the pipeline leaves it open, in the order of its slots.
+    pub choices: Vec<Choice>,
+    /// The pipeline as it was written, with the places of its values.
+    pub document: Document,
     /// Sentences about what looks wrong or was left out.
     pub warnings: Vec<String>,
     /// The time that reading and checking took, without the proximity graph.

@@ -39,6 +39,7 @@ impl Gate {
     /// The reason that this gate gives if its statistic could not be measured.
     pub fn unmeasured(&self) -> Reason {
         Reason {
+            note: None,
             level: Level::Failed,
             metric: self.metric.clone(),
             statistic: self.statistic.clone(),

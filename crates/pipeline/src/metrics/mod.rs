@@ -4,6 +4,7 @@
 //! [`MetricSet`] measures poses and gives verdicts. [`over_poses`] reads the reports of all poses.
 
 mod gates;
+mod landmark_doubt;
 mod metric_set;
 mod over_poses;
 mod point_error;
@@ -11,6 +12,7 @@ mod pose_metrics;
 pub mod verdict;
 
 pub use gates::{Gate, Unknown, gates};
+pub use landmark_doubt::landmark_doubt;
 pub use metric_set::{MetricSet, binding_error};
 pub use over_poses::{PrimaryStatistic, over_poses, primary_statistics};
 pub use point_error::point_error;

@@ -45,8 +45,21 @@ pub struct Reason {
     pub about: Option<String>,
     /// The value; `None` if it could not be measured, which breaks a gate too.
     pub value: Option<f64>,
-    /// The largest size that passes.
+    /// The largest size that passes; of a confidence the smallest.
     pub limit: f64,
+    /// The reason for people, where it is another than that a statistic is above its limit.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub note: Option<String>,
+}
+
+impl Verdict {
+    /// The verdict with one more reason, behind those that are as bad.
+    pub fn with(mut self, reason: Reason) -> Self {
+        self.level = self.level.max(reason.level);
+        let place = self.reasons.partition_point(|other| other.level >= reason.level);
+        self.reasons.insert(place, reason);
+        self
+    }
 }
 
 impl Level {
@@ -64,6 +77,9 @@ impl Level {
 impl Reason {
     /// The reason for people: `edge stretch p99 85.1, above 60`.
     pub fn words(&self) -> String {
+        if let Some(note) = &self.note {
+            return note.clone();
+        }
         let statistic = format!("{} {}", self.metric, self.statistic).replace('_', " ");
         let Some(value) = self.value else { return format!("{statistic} could not be measured") };
         let about = self.about.as_ref().map(|about| format!(" at {about}")).unwrap_or_default();

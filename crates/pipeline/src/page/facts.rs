@@ -96,6 +96,22 @@ pub fn averages(report: &Report) -> Markup {
     }
 }
 
+/// Returns what was chosen for the user, and why.
+pub fn choices(report: &Report) -> Markup {
+    html! {
+        @if !report.choices.is_empty() {
+            section {
+                h2 { "Chosen by the meshes" }
+                table.facts {
+                    @for choice in &report.choices {
+                        tr { th { (capital(&choice.stage.replace('.', " "))) } td { code { (choice.chosen) } ": " (choice.why) } }
+                    }
+                }
+            }
+        }
+    }
+}
+
 /// Returns the warnings of the run and of its stages.
 pub fn warnings(report: &Report) -> Markup {
     let of_stages = report.stages.iter().flat_map(|stage| &stage.figures.warnings);

@@ -48,6 +48,7 @@ pub fn page(report: &Report, pictures: &Pictures) -> String {
                 }
             }
             (facts::averages(report))
+            (facts::choices(report))
             (facts::warnings(report))
             (facts::stages(report))
             (facts::provenance(report))

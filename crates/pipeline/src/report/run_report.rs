@@ -11,6 +11,7 @@ use serde_json::{Map, Value};
 
 use super::{process::Usage, stage::StageReport};
 use crate::{
+    choices::Choice,
     compose::Variant,
     input::RestMesh,
     metrics::{Level, Verdict},
@@ -44,6 +45,9 @@ pub struct Report {
     pub source: MeshFigures,
     /// The mesh that took it.
     pub target: MeshFigures,
+    /// What was chosen where the pipeline leaves it open, in the order of its slots.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub choices: Vec<Choice>,
     /// Number of markers.
     pub markers: usize,
     /// The markers that a stage proposed; none where the user gave them.

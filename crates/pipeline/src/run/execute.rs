@@ -19,7 +19,7 @@ use crate::{
     cache::{Cache, LastRun},
     input::{InputFile, Prepared},
     json::to_value,
-    metrics::{Gate, Level, MetricSet, PoseMetrics, Reason, over_poses},
+    metrics::{Gate, Level, MetricSet, PoseMetrics, Reason, landmark_doubt, over_poses},
     pictures::Thumbnails,
     plan::Plan,
     progress::Progress,
@@ -153,6 +153,7 @@ fn assemble(
 ) -> Result<Report> {
     let clock = Clock::start();
     let proposed_markers = proposed_markers(prepared, stages.proposal());
+    let doubt = stages.proposal().and_then(landmark_doubt);
     let inputs = inputs(prepared)?;
     stages.report(clock.stop("writing", "", Default::default()));
     if let Some(cache) = cache {
@@ -163,6 +164,10 @@ fn assemble(
     let of_cache = cache.map(Cache::warnings).unwrap_or_default();
     let stages = stages.into_reports();
     let rest_verdict = poses.iter().find_map(|pose| pose.rest_verdict.clone());
+    let rest_verdict = match doubt {
+        Some(doubt) => Some(rest_verdict.unwrap_or_default().with(doubt)),
+        None => rest_verdict,
+    };
     let shared = rest_verdict.as_ref().map(|verdict| verdict.level);
     Ok(Report {
         mimesh: env!("CARGO_PKG_VERSION").into(),
@@ -175,6 +180,7 @@ fn assemble(
         inputs,
         source: MeshFigures::new(&prepared.source),
         target: MeshFigures::new(&prepared.target),
+        choices: prepared.choices.clone(),
         markers: prepared.markers().len(),
         proposed_markers,
         run: RunOf::new(&prepared.variant),

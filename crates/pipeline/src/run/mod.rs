@@ -8,3 +8,4 @@ mod written;
 
 pub use execute::{Finished, run};
 pub use poses::pose_error;
+pub use stages::GIVE_MARKERS;

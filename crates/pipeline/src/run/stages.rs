@@ -6,7 +6,7 @@ use mimesh_core::{
     Figures, Result,
     stage::{BindInput, BoundTransfer, Proposal, Transfer, TransferPair, TriangleMap},
 };
-use mimesh_document::{Diagnostic, diagnostic};
+use mimesh_document::{Diagnostic, Diagnostics, diagnostic};
 use mimesh_markers::IntoDiagnostic;
 
 use crate::{
@@ -17,6 +17,9 @@ use crate::{
     progress::Progress,
     report::{Clock, StageReport},
 };
+
+/// Remedy: give markers in place of those that a stage proposes.
+pub const GIVE_MARKERS: &str = "give_markers";
 
 /// The stages of a run that run once.
 pub(super) struct Stages<'a> {
@@ -82,18 +85,23 @@ impl<'a> Stages<'a> {
             None => {
                 let pair = TransferPair { markers: &[], ..self.pair() };
                 let proposal = self.stage("landmarks", name, || {
-                    let proposal = landmarks.propose(pair)?;
+                    let mut proposal = landmarks.propose(pair)?;
                     proposal.check(pair)?;
+                    let Prepared { source, target, .. } = self.prepared;
+                    if let Some(warning) = handedness::warning_of_markers(source, target, &proposal.markers()) {
+                        proposal.figures.warn(warning);
+                    }
                     let figures = proposal.figures.clone();
                     Ok((proposal, figures))
-                })?;
+                });
+                let proposal = proposal.map_err(|failure| with_remedy(failure, GIVE_MARKERS, "give a file of `markers`"))?;
                 if let Some((cache, key)) = key {
                     cache.put("landmarks", key, &proposal);
                 }
                 proposal
             }
         };
-        self.prepared.markers.get_or_init(|| proposal.pairs.iter().map(|pair| pair.marker.clone()).collect());
+        self.prepared.markers.get_or_init(|| proposal.markers());
         self.proposal.get_or_init(|| proposal);
         Ok(())
     }
@@ -218,4 +226,10 @@ impl<'a> Stages<'a> {
             }
         }
     }
+}
+
+/// The failure with one more way out of each diagnostic.
+fn with_remedy(failure: Diagnostics, action: &'static str, words: &str) -> Diagnostics {
+    let list = failure.list.into_iter().map(|diagnostic| diagnostic.remedy(action, "", words));
+    Diagnostics { list: list.collect() }
 }

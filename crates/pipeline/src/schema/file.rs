@@ -85,15 +85,12 @@ pub fn file_schema() -> Value {
     let stages: Map<String, Value> = stages.iter().map(|slot| (slot.to_string(), typed.clone())).collect();
     let mut required = root["required"].as_array().cloned().unwrap_or_default();
     required.retain(|slot| slot != "target");
-    let stages_of = |slot: &Value| slot.as_str().is_some_and(|slot| stages.contains_key(slot));
-    let (stages_required, required): (Vec<_>, Vec<_>) = required.iter().partition(|slot| stages_of(slot));
-    let stages_required: Vec<_> = stages_required.into_iter().map(named_or_varied).collect();
     root["properties"] = Value::Object(all);
     if let Some(root) = root.as_object_mut() {
         root.shift_remove("required");
         root.insert("if".into(), json!({ "required": ["include"] }));
         let targets = json!([{ "required": ["target"] }, { "required": ["targets"] }]);
-        let rest = json!({ "required": required, "oneOf": targets, "allOf": stages_required, "properties": stages });
+        let rest = json!({ "required": required, "oneOf": targets, "properties": stages });
         root.insert("else".into(), rest);
     }
     root["$defs"]["Variable"] = json!({
@@ -108,12 +105,6 @@ pub fn file_schema() -> Value {
         "additionalProperties": false,
     });
     root
-}
-
-/// A schema for pipelines that name the stage in `slot`, themselves or as values of `matrix`.
-fn named_or_varied(slot: &Value) -> Value {
-    let varied = json!({ "required": ["matrix"], "properties": { "matrix": { "required": [slot] } } });
-    json!({ "anyOf": [{ "required": [slot] }, varied] })
 }
 
 /// The keys of a pipeline that hold one stage.

@@ -43,6 +43,9 @@ use crate::alignment::by_markers;
 
 register!(Transfer: Biharmonic);
 
+/// Fewer handles fix no place in space.
+const MIN_MARKERS: usize = 3;
+
 /// Moves the target by a few handles, whose maps are found on the source (Yang et al. 2018).
 ///
 /// Needs a dozen markers or more, at key points; no correspondence.
@@ -116,6 +119,10 @@ impl Transfer for Biharmonic {
         false
     }
 
+    fn markers_needed(&self) -> usize {
+        MIN_MARKERS
+    }
+
     fn poses_wanted(&self) -> usize {
         self.learn_from
     }
@@ -178,9 +185,9 @@ impl Transfer for Biharmonic {
     fn check(&self, pair: TransferPair<'_>) -> Result<()> {
         check_ranges(self)?;
         self.stages()?;
-        if pair.markers.len() < 3 {
+        if pair.markers.len() < MIN_MARKERS {
             return Err(Error::data(
-                format!("biharmonic transfer needs at least 3 markers, there are {}", pair.markers.len()),
+                format!("biharmonic transfer needs at least {MIN_MARKERS} markers, there are {}", pair.markers.len()),
                 "`mimesh keypoints PIPELINE` chooses points on the source; find their partners on the target",
             ));
         }

@@ -134,6 +134,10 @@ pub enum Orphans {
 
 #[typetag::serde(name = "multi_component")]
 impl Transfer for MultiComponent {
+    fn markers_needed(&self) -> usize {
+        self.initial.as_ref().map_or(0, |initial| initial.markers_needed())
+    }
+
     fn poses_wanted(&self) -> usize {
         self.initial.as_ref().map_or(0, |initial| initial.poses_wanted())
     }

@@ -1,0 +1,62 @@
+//! The file that takes a pipeline with every choice spelled out.
+
+use std::{fs, path::Path};
+
+use mimesh_document::{
+    diagnostic::{Diagnostic, Kind, Location, Result},
+    files::io_message,
+};
+use mimesh_pipeline::{Prepared, spelled_out::spelled_out};
+
+use crate::cli::out_file::OutFile;
+
+/// The file for a pipeline.
+pub struct SavedPipeline<'a> {
+    file: OutFile<'a>,
+}
+
+impl<'a> SavedPipeline<'a> {
+    /// Takes `file`, named with `--save`.
+    ///
+    /// # Errors
+    ///
+    /// As [`named`](Self::named).
+    pub fn new(file: &'a Path) -> Result<Self> {
+        Self::named("--save", file)
+    }
+
+    /// Takes `file`, named with `option`.
+    ///
+    /// # Errors
+    ///
+    /// A diagnostic if it is no `.yaml`, or is there already.
+    pub fn named(option: &'static str, file: &'a Path) -> Result<Self> {
+        let out = OutFile { option, file };
+        out.check(&["yaml", "yml"])?;
+        if file.exists() {
+            let diagnostic = out.diagnostic(Kind::CannotWrite, "exists already");
+            return Err(diagnostic.hint("nothing is overwritten; choose another name").into());
+        }
+        Ok(Self { file: out })
+    }
+
+    /// Writes the only one of `all`.
+    ///
+    /// # Errors
+    ///
+    /// A diagnostic if there are several, and if the file cannot be written.
+    pub fn write(&self, all: &[Prepared]) -> Result<()> {
+        let [one] = all else {
+            let message = "the pipeline declares several runs, expected one";
+            let hint = "save one of them: give it a file of its own, or leave `targets` and `matrix` out";
+            return Err(self.file.diagnostic(Kind::Usage, message).hint(hint).into());
+        };
+        let file = self.file.file;
+        let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty());
+        let written = folder.map_or(Ok(()), fs::create_dir_all).and_then(|()| fs::write(file, spelled_out(one, file)));
+        written.map_err(|error| {
+            let diagnostic = Diagnostic::new(Kind::CannotWrite, io_message("write", &error));
+            diagnostic.at(Location::File(file.into())).hint("choose another folder").into()
+        })
+    }
+}
