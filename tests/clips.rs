@@ -241,7 +241,6 @@ fn wrong_clips_and_meshes_are_named_with_those_there_are() {
     };
     let cases = [
         ("source.poses={clip: Bent}", ["no clip is called `Bent`", "the file has `Bend`"]),
-        ("source.poses=null", ["has no poses", "poses: { clip: Bend }"]),
         ("source.rest={file: arm.gltf, meshes: [leg]}", ["leg", "arm"]),
         ("target.rest={file: arm.gltf, meshes: []}", ["no mesh is named", "leave `meshes` out"]),
         ("target.rest={file: arm.gltf, time: 1}", ["`time` without `clip`", "name the clip"]),

@@ -173,7 +173,7 @@ fn run(project: &Project, markers: &str) -> Value {
 #[test]
 fn a_run_proposes_its_markers_once_and_tells_them() {
     let project = Project::new();
-    let first = run(&project, "auto");
+    let first = run(&project, "{ type: extremities }");
     let proposed = first["proposed_markers"].as_array().expect("proposed markers").clone();
     assert!(proposed.len() >= 4 && first["markers"] == proposed.len(), "{proposed:?}");
     let stage = |report: &Value| {
@@ -184,8 +184,8 @@ fn a_run_proposes_its_markers_once_and_tells_them() {
     assert!(plan.contains("landmarks (extremities)") && !plan.contains("run:"), "{plan}");
     let check = project.mimesh(&["check", "p.yaml"]).stdout;
     assert!(check.contains("markers by extremities"), "{check}");
-    // The stage spelled out is the same stage; another setting is not.
-    let again = run(&project, "{ type: extremities }");
+    // A default spelled out is the same stage; another setting is not.
+    let again = run(&project, "{ type: extremities, points_per_limb: 2 }");
     assert_eq!((&stage(&again)["reused"], &again["proposed_markers"]), (&json!(true), &json!(proposed)));
     let other = run(&project, "{ type: extremities, points_per_limb: 1 }");
     assert!(stage(&other)["reused"].is_null() && other["markers"].as_u64() < first["markers"].as_u64());

@@ -26,6 +26,8 @@ fn the_schema_accepts_every_pipeline_and_rejects_wrong_ones() {
     let targets = "targets: { a: { rest: x.obj, transfer: { reweightings: 1 } } }";
     let good = [
         PIPELINE.to_owned(),
+        PIPELINE.replace("transfer: { type: copy_displacement }\n", ""),
+        PIPELINE.replace("{ type: identity }", "auto") + "markers: auto\nproximity: ~\n",
         with_targets(targets),
         "include: base.yaml\ntransfer: { reweightings: 1 }\n".into(),
         PIPELINE.replace("{ type: identity }", "${method}") + "variables: { method: { type: identity } }\n",
@@ -36,9 +38,9 @@ fn the_schema_accepts_every_pipeline_and_rejects_wrong_ones() {
     }
     let bad = [
         PIPELINE.replace("target:", "tarjet:"),
-        PIPELINE.replace("transfer: { type: copy_displacement }\n", ""),
         PIPELINE.replace("copy_displacement", "gradient, tolerance: much"),
         PIPELINE.replace("{ type: copy_displacement }", "{ reweightings: 1 }"),
+        PIPELINE.replace("{ type: copy_displacement }", "automatic"),
         with_targets("targets: { a: { rst: x.obj } }"),
         with_targets("targets: { a: { rest: x.obj, transfer: { type: gradiant } } }"),
         PIPELINE.to_owned() + "matrix: { transfer.k: 5 }\n",

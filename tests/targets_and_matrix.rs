@@ -140,7 +140,7 @@ fn out_gives_every_run_a_folder_of_its_own() {
 fn nested_stages_keep_their_default_type_in_a_matrix() {
     let project = Project::new();
     let text = PIPELINE.replace("copy_displacement", "biharmonic").replace("out/{pose}.obj", "out/{matrix}.glb")
-        + "matrix: { transfer.deformer.lambda: [0.1, 5] }\n";
+        + "matrix: { transfer.deformer.lambda: [0.1, 5] }\nmarkers: ~\n";
     project.write("p.yaml", &text);
     // Only the markers are missing, not the type of the deformer.
     let expected = ["p.yaml:4:11: transfer (biharmonic): biharmonic transfer needs at least 3 markers, there are 0"];

@@ -11,7 +11,9 @@ use mimesh_document::{
     overrides, path, paths,
     source_tree::{SourceSpan, SpanEntry, SpanTree},
 };
-use mimesh_pipeline::{GIVE_MARKERS, Options, Prepared, cache::Cache, check::NAME_POSES, prepare_document, schema::PipelineShapes};
+use mimesh_pipeline::{
+    GIVE_MARKERS, Options, Prepared, cache::Cache, check::NAME_POSES, prepare_document, schema::PipelineShapes,
+};
 use serde_json::{Value, json};
 
 use crate::cli::{out_file::OutFile, roots::Roots};
@@ -135,7 +137,9 @@ impl MeshPair {
     fn poses(&self) -> Result<Option<Value>> {
         Ok(match (&self.poses[..], &self.clip[..]) {
             ([], []) => None,
+            ([file], []) => Some(json!(file)),
             (files, []) => Some(json!(files)),
+            ([], [clip]) => Some(json!({ "clip": clip })),
             ([], clips) => Some(json!({ "clip": clips })),
             ([file], clips) => Some(json!({ "file": file, "clip": clips })),
             (files, _) => {
@@ -161,7 +165,9 @@ fn put(document: &mut Document, path: &[Step], value: Value, argument: String) -
 pub fn in_arguments(failure: Diagnostics) -> Diagnostics {
     let list = failure.list.into_iter().map(|mut diagnostic| {
         let words = match diagnostic.remedy.as_ref().map(|remedy| remedy.action) {
-            Some(NAME_POSES) => "name its poses: `--poses 'horse-??.obj'`, or a file with a clip: `--poses run.glb --clip Run`",
+            Some(NAME_POSES) => {
+                "name its poses: `--poses 'horse-??.obj'`, or a file with a clip: `--poses run.glb --clip Run`"
+            }
             Some(GIVE_MARKERS) => "give a file of corresponding points: `--markers FILE`",
             _ => return diagnostic,
         };

@@ -3,6 +3,7 @@
 // Each test file uses a part of it.
 #![allow(dead_code)]
 
+pub mod animals;
 pub mod arm;
 pub mod ellipsoid;
 

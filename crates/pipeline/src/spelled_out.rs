@@ -41,7 +41,8 @@ pub fn spelled_out(prepared: &Prepared, place: &Path) -> String {
     for at in files(&prepared.document, &values) {
         rebase(&prepared.document, &mut values, &at, folder);
     }
-    let mut text = format!("# mimesh run {}\n", paths::tidy(Path::new(place.file_name().unwrap_or_default())).display());
+    let mut text =
+        format!("# mimesh run {}\n", paths::tidy(Path::new(place.file_name().unwrap_or_default())).display());
     for slot in slots() {
         let Some(value) = values.get(slot) else { continue };
         text.push('\n');

@@ -11,6 +11,9 @@ const MIN_CLOSED_VOLUME: f64 = 1e-9;
 /// Open components of a smaller volume under caps over their holes have no inside; half a sphere has 0.13.
 const MIN_OPEN_VOLUME: f64 = 0.05;
 
+/// Components whose holes have no more of their area enclose a volume as closed ones do, however thin their limbs are.
+const MAX_HOLES: f64 = 0.1;
+
 /// The components of `surface` whose triangles point inwards, ascending.
 ///
 /// A closed component points inwards if the volume that it encloses is negative. Within another one it may be the wall of a cavity,
@@ -39,6 +42,8 @@ struct Enclosed {
     bounds: [Point3<f64>; 2],
     /// The area of its triangles.
     area: f64,
+    /// The area of caps over its holes.
+    holes: f64,
     /// Its volume under caps over its holes, negative if triangles point inwards; 0 if it has no inside.
     volume: f64,
     /// Whether it has no holes.
@@ -51,7 +56,7 @@ fn enclosed(surface: &Surface, components: &Components) -> Vec<Enclosed> {
     let mut all: Vec<Option<Enclosed>> = vec![None; components.count()];
     for (p, component) in surface.positions.iter().zip(&components.of_vertex) {
         let Some(c) = component else { continue };
-        let empty = Enclosed { first: *p, bounds: [*p; 2], area: 0.0, volume: 0.0, closed: true };
+        let empty = Enclosed { first: *p, bounds: [*p; 2], area: 0.0, holes: 0.0, volume: 0.0, closed: true };
         let [low, high] = &mut all[*c as usize].get_or_insert(empty).bounds;
         (*low, *high) = (low.inf(p), high.sup(p));
     }
@@ -71,10 +76,11 @@ fn enclosed(surface: &Surface, components: &Components) -> Vec<Enclosed> {
         let one = &mut all[of(edge[0])];
         let [from, to] = edge.map(|v| surface.positions[v as usize]);
         one.closed = false;
+        one.holes += (from - apex).cross(&(to - apex)).norm() / 2.0;
         one.volume += volume(one.first, [to, from, apex]);
     }
     for one in &mut all {
-        let least = if one.closed { MIN_CLOSED_VOLUME } else { MIN_OPEN_VOLUME };
+        let least = if one.holes <= MAX_HOLES * one.area { MIN_CLOSED_VOLUME } else { MIN_OPEN_VOLUME };
         if one.volume.abs() <= least * one.area.powf(1.5) {
             one.volume = 0.0;
         }
@@ -163,6 +169,17 @@ mod tests {
         assert_eq!(shell(true, false), [0, 1], "the same, inside out");
         assert_eq!(shell(false, false), [0u32; 0], "an eye in a head");
         assert_eq!(shell(true, true), [0, 1], "the same, inside out");
+    }
+
+    /// An animal with holes for its eyes has little volume for its area, and eyes that point inwards must not decide for it.
+    #[test]
+    fn a_thin_component_with_small_holes_has_an_inside() {
+        let sphere = meshes::icosphere(1);
+        let mut bar = meshes::bar([40, 1, 1], [40.0, 1.0, 1.0]);
+        bar.triangles.remove(0);
+        let eye_inwards = (&sphere, 0.2, 60.0, true);
+        assert_eq!(inward_components(&together(&[(&bar, 1.0, 0.0, false), eye_inwards])), [1]);
+        assert_eq!(inward_components(&together(&[(&bar, 1.0, 0.0, true), eye_inwards])), [0, 1]);
     }
 
     #[test]

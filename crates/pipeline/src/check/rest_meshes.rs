@@ -240,6 +240,16 @@ pub(super) fn check_inside_out(found: &mut Findings, source: Option<&RestMesh>, 
     }
 }
 
+/// Warns of a target that may be a mirror image, where no markers of the user's tell: mirroring turns faces inside out.
+pub(super) fn check_mirrored(found: &mut Findings, source: Option<&RestMesh>, target: Option<&RestMesh>) {
+    let (Some(source), Some(target)) = (source, target) else { return };
+    if source.is_inside_out() != target.is_inside_out() && target.mirror_axis().is_none() {
+        let warning = "faces that point inwards are those of a mirror image, too: if the target is one, left and right are exchanged, so \
+                       say `target: { mirrored: x }` with the axis from left to right";
+        found.warnings.push(warning.into());
+    }
+}
+
 /// The file of a mesh in brackets, if it has one.
 fn file_of(mesh: &RestMesh) -> String {
     mesh.path.as_ref().map(|path| format!(" ({})", path.display())).unwrap_or_default()

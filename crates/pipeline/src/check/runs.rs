@@ -19,7 +19,7 @@ use super::{
     metrics::{check_bound, gates, metrics},
     outputs::outputs,
     rest_choice::warn_of_rest,
-    rest_meshes::check_inside_out,
+    rest_meshes::{check_inside_out, check_mirrored},
     run_diagnostics::RunDiagnostics,
     seams::{SeamCache, open_like},
     shared::SharedMeshes,
@@ -156,6 +156,9 @@ fn prepare_one(
     }
     let markers = marker_input(scope, found_mut, &mut pipeline, open, meshes, &shared.hashes);
     let are_proposed = pipeline.markers.as_ref().and_then(MarkerSource::stage).is_some();
+    if are_proposed {
+        check_mirrored(found_mut, source.as_deref(), target.as_deref());
+    }
     let truth = ground_truth(scope, found_mut, pipeline.truth.as_deref(), target.as_deref(), &poses);
     let metrics = metrics(scope, found_mut, pipeline.metrics.take(), &truth);
     let gates = gates(scope, found_mut, &pipeline.gates, &metrics, &truth);
@@ -219,7 +222,9 @@ fn marker_input(
     hashes: &FileHashes,
 ) -> Option<Vec<Marker>> {
     // The run proposes them; what needs them is left to it.
-    if pipeline.markers.as_ref().and_then(MarkerSource::stage).is_some() || (pipeline.markers.is_none() && !open.markers) {
+    if pipeline.markers.as_ref().and_then(MarkerSource::stage).is_some()
+        || (pipeline.markers.is_none() && !open.markers)
+    {
         return Some(vec![]);
     }
     let files = pipeline.markers.as_ref().and_then(MarkerSource::files);

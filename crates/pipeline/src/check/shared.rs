@@ -74,7 +74,13 @@ fn once<T: Clone>(
     let read = known.entry(key).or_insert_with(|| {
         let mut own = Findings::default();
         let value = read(&mut own);
-        Read { value, inputs: own.inputs, diagnostics: own.diagnostics.list, warnings: own.warnings, choices: own.choices }
+        Read {
+            value,
+            inputs: own.inputs,
+            diagnostics: own.diagnostics.list,
+            warnings: own.warnings,
+            choices: own.choices,
+        }
     });
     found.inputs.extend(read.inputs.iter().cloned());
     found.diagnostics.extend(read.diagnostics.iter().cloned());

@@ -72,7 +72,8 @@ pub fn choose_markers(pipeline: &mut Pipeline, named: &[Marker]) -> Option<Choic
     let needed = of_correspondence.max(of_transfer);
     if named.len() >= needed {
         let points = count(named.len(), "point has", "points have");
-        return (!named.is_empty()).then(|| Choice::new("markers", "names", format!("{points} one name on both meshes")));
+        return (!named.is_empty())
+            .then(|| Choice::new("markers", "names", format!("{points} one name on both meshes")));
     }
     let stage = instance::<dyn Landmarks>(BY_SHAPE)?;
     pipeline.markers = Some(MarkerSource::Stage(stage));

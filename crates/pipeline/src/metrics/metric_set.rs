@@ -150,7 +150,15 @@ fn broken_gate(gate: &Gate, metrics: &PoseMetrics) -> Option<Reason> {
 fn above(level: Level, metric: &str, statistic: &str, limit: f64, metrics: &PoseMetrics) -> Option<Reason> {
     let value = metrics.value(metric, statistic).filter(|value| value.abs() > limit)?;
     let about = metrics.about(metric, statistic).map(str::to_owned);
-    Some(Reason { level, metric: metric.into(), statistic: statistic.into(), about, value: Some(value), limit, note: None })
+    Some(Reason {
+        level,
+        metric: metric.into(),
+        statistic: statistic.into(),
+        about,
+        value: Some(value),
+        limit,
+        note: None,
+    })
 }
 
 fn measure<'m, 'a: 'm>(members: impl Iterator<Item = &'m Member<'a>>, input: MetricInput<'_>) -> PoseMeasurements {

@@ -94,7 +94,8 @@ impl<'a> Stages<'a> {
                     let figures = proposal.figures.clone();
                     Ok((proposal, figures))
                 });
-                let proposal = proposal.map_err(|failure| with_remedy(failure, GIVE_MARKERS, "give a file of `markers`"))?;
+                let proposal =
+                    proposal.map_err(|failure| with_remedy(failure, GIVE_MARKERS, "give a file of `markers`"))?;
                 if let Some((cache, key)) = key {
                     cache.put("landmarks", key, &proposal);
                 }

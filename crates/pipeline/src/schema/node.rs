@@ -162,9 +162,8 @@ fn type_of(variant: &Value) -> Option<&str> {
 
 /// The only alternative beside `null` and the word that leaves the choice.
 fn only_one(choices: &[Value]) -> Option<&Value> {
-    let is_own = |choice: &&Value| {
-        choice.get("type").and_then(Value::as_str) != Some("null") && choice.get("const").is_none()
-    };
+    let is_own =
+        |choice: &&Value| choice.get("type").and_then(Value::as_str) != Some("null") && choice.get("const").is_none();
     let mut others = choices.iter().filter(is_own);
     others.next().filter(|_| others.next().is_none())
 }
