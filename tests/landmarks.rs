@@ -190,3 +190,114 @@ fn a_run_proposes_its_markers_once_and_tells_them() {
     let other = run(&project, "{ type: extremities, points_per_limb: 1 }");
     assert!(stage(&other)["reused"].is_null() && other["markers"].as_u64() < first["markers"].as_u64());
 }
+
+/// The named points of both animals as clicks, of which the first is only proposed.
+fn write_clicks(project: &Project, count: usize) {
+    let (source, target) =
+        (animal(json!({ "resolution": 30 })), animal(json!({ "resolution": 30, "proportions": "camel", "seed": 1 })));
+    let mut text = "markers:\n".to_owned();
+    for (k, name) in source.names.iter().take(count).enumerate() {
+        let at = |animal: &Animal| {
+            let place = animal.places[animal.names.iter().position(|other| other == name).expect("the same names")];
+            let distance = |v: &usize| (animal.surface.positions[*v] - place).norm();
+            (0..animal.surface.vertex_count()).min_by(|a, b| distance(a).total_cmp(&distance(b))).expect("vertices")
+        };
+        let status = if k == 0 { ", status: proposed, confidence: 0.5" } else { "" };
+        text += &format!("  - {{ name: {name}, source: {}, target: {}{status} }}\n", at(&source), at(&target));
+    }
+    project.write("clicks.yaml", &text);
+}
+
+#[test]
+fn clicks_are_kept_beside_what_a_stage_proposes() {
+    let project = Project::new();
+    write_clicks(&project, 4);
+    let report = run(&project, "{ type: extremities, clicks: clicks.yaml }");
+    let proposed = report["proposed_markers"].as_array().expect("markers");
+    let sure: Vec<_> = proposed.iter().take_while(|marker| marker["confidence"] == 1.0).collect();
+    assert!(sure.len() >= 3 && proposed.len() > 6, "{proposed:?}");
+    let warnings = report["warnings"].to_string();
+    assert!(warnings.contains("1 pair of the clicks is only proposed"), "{warnings}");
+    assert_eq!(report["settings"]["markers"]["clicks"], "clicks.yaml");
+    let inputs = report["inputs"].to_string();
+    assert!(inputs.contains("clicks.yaml"), "{inputs}");
+
+    // Clicks alone are all there is.
+    let given = run(&project, "{ type: given, clicks: clicks.yaml }");
+    assert_eq!(given["markers"], 3);
+    let none = check_with(&project, "{ type: given }");
+    assert!(none.contains("there are no clicks to give") && none.contains("clicks: pairs.yaml"), "{none}");
+    let missing = check_with(&project, "{ type: given, clicks: other.yaml }");
+    assert!(missing.contains("no such file: other.yaml"), "{missing}");
+    let unknown = check_with(&project, "{ type: given, click: clicks.yaml }");
+    assert!(unknown.contains("unknown key `click`"), "{unknown}");
+}
+
+/// What a run with other markers says on standard error.
+fn check_with(project: &Project, markers: &str) -> String {
+    let output = project.mimesh(&["run", "p.yaml", "--set", &format!("markers={markers}")]);
+    assert_ne!(output.status, 0);
+    output.stderr
+}
+
+#[cfg(unix)]
+#[test]
+fn a_program_proposes_markers_only_where_it_is_allowed() {
+    let project = Project::new();
+    // A matcher that gives the vertices that lie farthest along each axis, and counts how often it ran.
+    project.write(
+        "matcher.py",
+        "import json, os, sys\n\
+         def read(path):\n    return [[float(x) for x in l.split()[1:]] for l in open(path) if l.startswith('v ')]\n\
+         a, b = read(sys.argv[1]), read(sys.argv[2])\n\
+         open(os.path.join(os.path.dirname(__file__), 'ran'), 'a').write('x')\n\
+         pairs = []\n\
+         for k in range(3):\n    for best in (min, max):\n        \
+             i, j = (best(range(len(m)), key=lambda v: m[v][k]) for m in (a, b))\n        \
+             pairs.append({'source': i, 'target': j, 'confidence': 0.9})\n\
+         print(json.dumps({'pairs': pairs}))\n",
+    );
+    let ran = project.path("ran");
+    let markers = "{ type: external, command: [python3, matcher.py, '{source}', '{target}'] }";
+    project.write(
+        "p.yaml",
+        &format!(
+            "source: {{ generator: {{ type: quadruped, frames: 1, resolution: 30 }} }}\n\
+             target: {{ generator: {{ type: quadruped, proportions: camel, frames: 1, resolution: 30, seed: 1 }} }}\n\
+             markers: {markers}\ncorrespondence: {{ type: nonrigid_fit }}\ntransfer: {{ type: gradient }}\n\
+             output: out/{{pose}}.obj\n"
+        ),
+    );
+    for command in ["check", "plan", "run"] {
+        let output = project.mimesh(&[command, "p.yaml"]);
+        assert!(!ran.exists(), "{command} ran it");
+        assert_eq!(output.status == 0, command != "run", "{command}: {}", output.stderr);
+        if command == "run" {
+            assert!(output.stderr.contains("it would run the command `python3"), "{}", output.stderr);
+            assert!(output.stderr.contains("`--allow-commands`"), "{}", output.stderr);
+        }
+    }
+    // No setting says what only the command line may.
+    let set = project.mimesh(&["run", "p.yaml", "--set", "markers.allow_commands=true"]);
+    assert!(set.status != 0 && !ran.exists(), "{}", set.stderr);
+
+    let run = |project: &Project| {
+        let output = project.mimesh(&["run", "p.yaml", "--allow-commands", "--json"]);
+        assert!([0, 3].contains(&output.status), "{}", output.stderr);
+        serde_json::from_str::<Value>(&output.stdout).expect("a report")
+    };
+    let report = run(&project);
+    // Some extremes are one vertex.
+    let count = report["proposed_markers"].as_array().expect("markers").len();
+    assert!((4..=6).contains(&count), "{report}");
+    run(&project);
+    assert_eq!(std::fs::read(&ran).expect("it ran"), b"x", "the second answer is cached");
+    // Another program is asked anew.
+    project.write("matcher.py", &(project.read("matcher.py") + "# changed\n"));
+    run(&project);
+    assert_eq!(std::fs::read(&ran).expect("it ran"), b"xx");
+
+    project.write("matcher.py", "import sys\nprint('no weights', file=sys.stderr)\nsys.exit(3)\n");
+    let failed = project.mimesh(&["run", "p.yaml", "--allow-commands"]);
+    assert!(failed.stderr.contains("exit status: 3: no weights"), "{}", failed.stderr);
+}

@@ -9,7 +9,7 @@ use mimesh_document::{
 };
 use mimesh_markers::{OTHER_OUTPUT_FOLDER, OTHER_ROOT, remedies};
 use mimesh_pipeline::{
-    GIVE_MARKERS,
+    ALLOW_COMMANDS, GIVE_MARKERS,
     cache::{OTHER_CACHE_FOLDER, WITHOUT_CACHE},
     check::OTHER_MESHES,
     parse::LIST_TYPES,
@@ -62,6 +62,7 @@ fn flag(remedy: &Remedy) -> Option<String> {
         OTHER_ROOT => "`--root DIR`".into(),
         WITHOUT_CACHE => "`--no-cache`".into(),
         OTHER_CACHE_FOLDER => "`--cache DIR`".into(),
+        ALLOW_COMMANDS => "`--allow-commands`".into(),
         GIVE_MARKERS => "`--set markers=FILE`".into(),
         OTHER_MESHES => "`--source MESH --target MESH`".into(),
         remedies::FROM_ONE => format!("`mimesh markers convert --from-one {argument}`"),

@@ -41,6 +41,9 @@ pub struct MeshPair {
     /// Set any other value of the pipeline, e.g. transfer.type=biharmonic or target.mirrored=x
     #[arg(long = "set", value_name = "KEY=VALUE")]
     settings: Vec<String>,
+    /// Let stages run programs that --set names
+    #[arg(long)]
+    allow_commands: bool,
     #[command(flatten)]
     roots: Roots,
 }
@@ -61,6 +64,7 @@ impl MeshPair {
             roots: self.roots.folders(),
             report: Some(self.report()),
             out: None,
+            allow_commands: self.allow_commands,
         };
         prepare_document(document, &options, cache).map_err(in_arguments)
     }

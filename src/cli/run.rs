@@ -46,6 +46,9 @@ pub struct Run {
     /// Also write the table of results into this file, as .csv or .md
     #[arg(long, value_name = "FILE")]
     table: Option<PathBuf>,
+    /// Let stages run programs that the pipeline names
+    #[arg(long)]
+    allow_commands: bool,
     /// Also write the pipeline with every choice spelled out into this file, which must not exist; for a single run
     #[arg(long, value_name = "FILE")]
     save: Option<PathBuf>,
@@ -98,7 +101,8 @@ impl Run {
         let table = self.table.as_deref().map(ResultsFile::new).transpose()?;
         let saved = self.save.as_deref().map(SavedPipeline::new).transpose()?;
         let cache = self.execution.cache.open()?;
-        let all = pipeline::prepare_all(&self.pipeline, &self.overrides.options(), cache.as_ref())?;
+        let options = Options { allow_commands: self.allow_commands, ..self.overrides.options() };
+        let all = pipeline::prepare_all(&self.pipeline, &options, cache.as_ref())?;
         if let Some(table) = &table {
             table.check(&all)?;
         }

@@ -43,7 +43,7 @@ pub use landmarks::from_landmarks;
 pub use marker_files::MarkerFiles;
 pub use mesh::{MarkerMesh, MeshRole};
 pub use mirror::{Mirrored, Outcome, Plane, mirror};
-pub use model::{MarkerFile, MarkerPair, MeshReference};
+pub use model::{MarkerFile, MarkerPair, MarkerStatus, MeshReference};
 pub use notation::is_point_file;
 pub use point_source::{AttachedMarkers, PointSource};
 pub use points::{NamedPoint, PointFile, PointPosition};

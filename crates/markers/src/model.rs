@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use nalgebra::Point3;
+use serde::{Deserialize, Serialize};
 
 use mimesh_core::mesh::MeshPoint;
 use mimesh_document::{Diagnostic, Kind, Location, files::hash_file};
@@ -42,10 +43,25 @@ pub struct MarkerPair {
     pub target: Option<MeshPoint>,
     /// A remark.
     pub note: Option<String>,
+    /// Whether a person stands for it.
+    pub status: MarkerStatus,
+    /// How sure whoever proposed it was, from 0 to 1.
+    pub confidence: Option<f64>,
     /// The positions of source and target point when the pair was made, by which they are found after a mesh was edited.
     pub at: [Option<Point3<f64>>; 2],
     /// The place of the pair in its file.
     pub location: Option<Location>,
+}
+
+/// Whether a person stands for a pair.
+#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum MarkerStatus {
+    /// A person placed it or agreed to it: it is kept whatever it costs.
+    #[default]
+    Confirmed,
+    /// A stage found it: it may be found anew elsewhere, or left out.
+    Proposed,
 }
 
 impl MarkerFile {
@@ -91,7 +107,16 @@ impl MeshReference {
 impl MarkerPair {
     /// A pair of points and nothing else.
     pub fn new(source: MeshPoint, target: MeshPoint) -> Self {
-        Self { name: None, source, target: Some(target), note: None, at: [None; 2], location: None }
+        Self {
+            name: None,
+            source,
+            target: Some(target),
+            note: None,
+            status: MarkerStatus::Confirmed,
+            confidence: None,
+            at: [None; 2],
+            location: None,
+        }
     }
 
     /// The point on the mesh `role`.

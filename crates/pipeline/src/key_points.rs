@@ -5,7 +5,7 @@ use mimesh_core::{
     stage::{ChoiceStep, ChoiceWatch, Chosen, KeyPointsInput},
 };
 use mimesh_document::{diagnostic::Result, files::hash_file};
-use mimesh_markers::{IntoDiagnostic, MarkerFile, MarkerPair, MeshReference};
+use mimesh_markers::{IntoDiagnostic, MarkerFile, MarkerPair, MarkerStatus, MeshReference};
 use nalgebra::Point3;
 use rayon::prelude::*;
 
@@ -61,6 +61,8 @@ pub fn to_complete(prepared: &PreparedSource, points: &[SurfacePoint], before: &
                 source: on_mesh,
                 target: None,
                 note: Some(note(&source.sequence, &source.surface, point)),
+                status: MarkerStatus::Confirmed,
+                confidence: None,
                 at: [None; 2],
                 location: None,
             },

@@ -12,7 +12,7 @@ use serde_json::Value;
 
 use crate::{
     choices::{Open, is_open},
-    marker_source::MarkerSource,
+    marker_source::{CLICKS, MarkerSource, ProposedMarkers},
     schema::{COMPOSITION_KEYS, PipelineShapes, SchemaNode, check_ranges},
     spec::Pipeline,
 };
@@ -148,9 +148,28 @@ impl Slots<'_> {
             return None;
         }
         if value.get("type").is_some() {
-            return self.optional("markers").map(MarkerSource::Stage);
+            return self.proposed_markers().map(MarkerSource::Stage);
         }
         self.optional("markers").map(MarkerSource::Files)
+    }
+
+    /// A stage that proposes markers; the clicks among its settings are no setting of its own.
+    fn proposed_markers(&mut self) -> Option<ProposedMarkers> {
+        let at = path(["markers", CLICKS]);
+        let clicks = match self.document.get(&at) {
+            Some(_) => Some(self.value(&at)?),
+            None => None,
+        };
+        let mut alone = self.document.clone();
+        if let Some(settings) = alone.get_mut(&path(["markers"])).and_then(Value::as_object_mut) {
+            settings.remove(CLICKS);
+        }
+        let mut slots =
+            Slots { document: &alone, diagnostics: self.diagnostics, suggested: vec![], rejected: vec![], ..*self };
+        let stage = slots.optional("markers");
+        let rejected = slots.rejected;
+        self.rejected.extend(rejected);
+        Some(ProposedMarkers { stage: stage?, clicks })
     }
 
     /// A sequence of stages, each read on its own; those that cannot be read are left out.

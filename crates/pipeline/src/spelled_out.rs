@@ -9,6 +9,7 @@ use crate::{
     choices::{AUTO, Choice},
     input::Prepared,
     json::to_value,
+    marker_source::CLICKS,
     parse::slots,
     schema::{FileSetting, SchemaNode, file_settings},
 };
@@ -97,6 +98,9 @@ fn files(document: &Document, values: &Value) -> Vec<Vec<Step>> {
         path(["markers"]),
         path(["markers", "source"]),
         path(["markers", "target"]),
+        path(["markers", CLICKS]),
+        path(["markers", CLICKS, "source"]),
+        path(["markers", CLICKS, "target"]),
         path(["keep_correspondence"]),
         path(["truth"]),
         path(["output"]),

@@ -26,6 +26,13 @@ pub trait Landmarks: Debug + Send + Sync {
     /// [`Error::Setting`](crate::Error::Setting) for settings out of range, [`Error::Data`](crate::Error::Data) for surfaces between
     /// which no pairs are found that can be trusted.
     fn propose(&self, pair: TransferPair<'_>) -> Result<Proposal>;
+
+    /// The program that the stage runs, with its arguments; `None` for a stage that computes by itself.
+    ///
+    /// A pipeline runs such a stage only where the user allows commands, and never to check or to plan. Its answers need not be equal.
+    fn command(&self) -> Option<&[String]> {
+        None
+    }
 }
 
 crate::stage_kind!(Landmarks, "landmarks");
@@ -49,6 +56,13 @@ pub struct ProposedPair {
     pub marker: Marker,
     /// How sure the pair is, from 0 to 1: it ranks pairs, and is no probability.
     pub confidence: f64,
+}
+
+impl ProposedPair {
+    /// A marker of the user's, which is right by definition.
+    pub fn clicked(marker: &Marker) -> Self {
+        Self { marker: marker.clone(), confidence: 1.0 }
+    }
 }
 
 impl Proposal {

@@ -5,10 +5,12 @@
 //! target: { mesh: camel.obj, vertices: 21887, blake3: "…" }
 //! markers:
 //!   - { name: left ear, source: 750, target: 3386, note: tip }
+//!   - { name: nose, source: 17, target: 99, status: proposed, confidence: 0.82 }
 //!   - { source: { triangle: 12, barycentric: [0.2, 0.3, 0.5] }, target: { vertex: 4, at: [0.1, 2, 3] } }
 //! ```
 //!
-//! `at` is the position of the point when it was made; by it, markers are found again after the mesh was edited.
+//! `at` is the position of the point when it was made; by it, markers are found again after the mesh was edited. `status` is
+//! `confirmed` where it is left out: a person stands for the pair. A stage that finds markers anew keeps those, and no `proposed` ones.
 
 use std::{collections::HashMap, fmt::Write, path::Path};
 
@@ -21,7 +23,7 @@ use mimesh_document::{At, Diagnostics, Document, Kind, NoShapes, Result, Step, d
 
 use super::yaml_point::YamlPoint;
 use crate::{
-    model::{MarkerFile, MarkerPair, MeshReference},
+    model::{MarkerFile, MarkerPair, MarkerStatus, MeshReference},
     text::{in_line, strip_bom},
 };
 
@@ -72,6 +74,8 @@ pub fn write(file: &MarkerFile) -> String {
             pair.name.as_ref().map(|name| format!("name: {}", quote(name))),
             Some(format!("source: {}", point_text(pair.source, pair.at[0]))),
             Some(format!("target: {target}")),
+            (pair.status == MarkerStatus::Proposed).then(|| "status: proposed".into()),
+            pair.confidence.map(|confidence| format!("confidence: {confidence:?}")),
             pair.note.as_ref().map(|note| format!("note: {}", quote(note))),
         ];
         let _ = writeln!(text, "  - {}", mapping(fields));
@@ -181,13 +185,17 @@ struct YamlPair {
     name: Option<String>,
     source: Option<YamlPoint>,
     target: Option<YamlPoint>,
+    #[serde(default)]
+    status: MarkerStatus,
+    confidence: Option<f64>,
     note: Option<String>,
 }
 
 fn pair(document: &Document, i: usize, diagnostics: &mut Diagnostics) -> Option<MarkerPair> {
     let path = path_of(i);
     let before = diagnostics.len();
-    let YamlPair { name, source, target, note } = deserialize(document, &path, &NoShapes, diagnostics)?;
+    let YamlPair { name, source, target, status, confidence, note } =
+        deserialize(document, &path, &NoShapes, diagnostics)?;
     if diagnostics.len() > before {
         return None;
     }
@@ -199,9 +207,24 @@ fn pair(document: &Document, i: usize, diagnostics: &mut Diagnostics) -> Option<
             .push(diagnostic.hint("a marker needs a point on both meshes, e.g. `{ source: 750, target: 3386 }`"));
         return None;
     };
+    if let Some(number) = confidence.filter(|number| !(0.0..=1.0).contains(number)) {
+        let at = [&path[..], &[Step::Key("confidence".into())]].concat();
+        let message = format!("`confidence`: expected a number from 0 to 1, found {number}");
+        diagnostics.push(document.diagnostic(&at, At::Value, message));
+        return None;
+    }
     let at = [source.at, target.as_ref().and_then(|target| target.at)];
     let location = Some(document.location(&path, At::Value));
-    Some(MarkerPair { name, source: source.point, target: target.map(|target| target.point), note, at, location })
+    Some(MarkerPair {
+        name,
+        source: source.point,
+        target: target.map(|target| target.point),
+        note,
+        status,
+        confidence,
+        at,
+        location,
+    })
 }
 
 #[cfg(test)]
@@ -228,6 +251,19 @@ mod tests {
         assert_eq!(file.pairs[0].name.as_deref(), Some("ear"));
         assert_eq!(file.pairs[1].source, MeshPoint::Triangle(12, [0.2, 0.3, 0.5]));
         assert_eq!(file.pairs[1].target, Some(MeshPoint::Vertex(4)));
+    }
+
+    #[test]
+    fn pairs_are_confirmed_unless_they_say_otherwise() {
+        let text = "markers: [{ source: 1, target: 2 }, { source: 3, target: 4, status: proposed, confidence: 0.5 }]\n";
+        let pairs = read(text).unwrap().pairs;
+        assert_eq!((pairs[0].status, pairs[0].confidence), (MarkerStatus::Confirmed, None));
+        assert_eq!((pairs[1].status, pairs[1].confidence), (MarkerStatus::Proposed, Some(0.5)));
+        let wrong = first_lines(
+            "markers: [{ source: 1, target: 2, confidence: 1.5 }, { source: 1, target: 2, status: sure }]\n",
+        );
+        assert_eq!(wrong[0], "1:47: `confidence`: expected a number from 0 to 1, found 1.5");
+        assert!(wrong[1].contains("`status`") && wrong[1].contains("sure"), "{wrong:?}");
     }
 
     #[test]
@@ -285,7 +321,10 @@ mod tests {
             let pairs = pairs.into_iter().enumerate().map(|(i, (source, target, note, kept))| {
                 let at = kept.then(|| Point3::new(i as f64, 0.1 * i as f64, -1e-7));
                 let at = [at, at.filter(|_| target.is_some())];
-                MarkerPair { name: (i % 2 == 0).then(|| format!("n{i}: #")), source, target, note, at, location: None }
+                let status = if kept { MarkerStatus::Proposed } else { MarkerStatus::Confirmed };
+                let confidence = kept.then(|| 1.0 / (i as f64 + 1.0));
+                let name = (i % 2 == 0).then(|| format!("n{i}: #"));
+                MarkerPair { name, source, target, note, status, confidence, at, location: None }
             });
             let source = Some(MeshReference { mesh, vertices, blake3: Some("0123".into()) });
             let file = MarkerFile { source, target: None, pairs: pairs.collect() };

@@ -15,6 +15,7 @@ use crate::{
     formats::Formats,
     input::{FileHashes, GroundTruth, PoseFrom, PoseInput, Prepared, RestMesh, evenly_spaced},
     json::{to_bytes, to_value},
+    programs::program_file,
     schema::{FileSetting, SchemaNode, file_settings},
 };
 
@@ -72,12 +73,15 @@ impl RunKeys {
         let proximity_hex = to_value(&proximity.as_ref().map(StageKey::hex));
         let landmarks = prepared.landmarks().map(|stage| {
             let (settings, files) = settings_and_files("markers", to_value(stage), hashes);
+            let command = stage.command().and_then(|command| program_file(command.first()?));
             StageKey::new(
                 "landmarks",
                 &[
                     ("program", program.into()),
                     ("files", files),
                     ("settings", settings),
+                    ("command", to_value(&command.and_then(|file| hashes.hash(&file)))),
+                    ("clicks", hash_of_markers(&prepared.clicks).into()),
                     ("source", source.clone().into()),
                     ("target", target.clone().into()),
                 ],

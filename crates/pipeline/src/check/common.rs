@@ -20,6 +20,8 @@ pub struct Options {
     pub report: Option<String>,
     /// Folders whose files meshes may open, beside their own and that of the pipeline.
     pub roots: Vec<PathBuf>,
+    /// Whether stages may run programs of the user's; no file can say so.
+    pub allow_commands: bool,
 }
 
 impl Options {

@@ -4,10 +4,15 @@ use std::path::Path;
 
 use mimesh_core::stage::Marker;
 use mimesh_document::{Diagnostic, Kind, Location, Step, path};
-use mimesh_markers::{MarkerFile, MarkerFiles, MarkerMesh, MeshRole, PointSource, from_landmarks, notation::Notation};
+use mimesh_markers::{
+    MarkerFile, MarkerFiles, MarkerMesh, MarkerStatus, MeshRole, PointSource, from_landmarks, notation::Notation,
+};
 
 use super::findings::{Findings, Scope};
-use crate::input::{FileHashes, RestMesh};
+use crate::{
+    input::{FileHashes, RestMesh},
+    marker_source::CLICKS,
+};
 
 impl RestMesh {
     /// The mesh as far as markers need it.
@@ -38,7 +43,43 @@ pub(super) fn markers(
         let landmarks = from_landmarks(&source.sequence, &target.sequence);
         return resolve(found, &landmarks, source, target);
     };
-    let files = marker_files(scope, files);
+    let markers = of_files(scope, found, files, &path(["markers"]), source, target, hashes)?;
+    resolve(found, &markers, source?, target?)
+}
+
+/// The markers that the user clicked, beside the stage that proposes others; those that are only proposed are left to the stage.
+pub(super) fn clicks(
+    scope: Scope<'_>,
+    found: &mut Findings,
+    files: &MarkerFiles,
+    source: Option<&RestMesh>,
+    target: Option<&RestMesh>,
+    hashes: &FileHashes,
+) -> Option<Vec<Marker>> {
+    let mut markers = of_files(scope, found, files, &path(["markers", CLICKS]), source, target, hashes)?;
+    let all = markers.pairs.len();
+    markers.pairs.retain(|pair| pair.status == MarkerStatus::Confirmed);
+    let proposed = all - markers.pairs.len();
+    if proposed > 0 {
+        let (pairs, are) = if proposed == 1 { ("pair", "is") } else { ("pairs", "are") };
+        found.warnings.push(format!(
+            "{proposed} {pairs} of the clicks {are} only proposed, and found anew; `status: confirmed` keeps one"
+        ));
+    }
+    resolve(found, &markers, source?, target?)
+}
+
+/// The markers in `files`, which are named at `slot`.
+fn of_files(
+    scope: Scope<'_>,
+    found: &mut Findings,
+    files: &MarkerFiles,
+    slot: &[Step],
+    source: Option<&RestMesh>,
+    target: Option<&RestMesh>,
+    hashes: &FileHashes,
+) -> Option<MarkerFile> {
+    let files = marker_files(scope, files, slot);
     let before = found.diagnostics.len();
     for (key, file) in files.named() {
         let role = match key {
@@ -46,7 +87,7 @@ pub(super) fn markers(
             Some(_) => "target markers",
             None => "markers",
         };
-        found.input(scope, role, file, &slot(key));
+        found.input(scope, role, file, &at_key(slot, key));
     }
     if found.diagnostics.len() > before {
         return None;
@@ -60,12 +101,12 @@ pub(super) fn markers(
     if let Some(file) = files.one() {
         warn_of_changes(found, &attached.markers, file, [source, target], hashes);
     }
-    resolve(found, &attached.markers, source, target)
+    Some(attached.markers)
 }
 
 /// The files as seen from the current folder.
-pub(super) fn marker_files(scope: Scope<'_>, files: &MarkerFiles) -> MarkerFiles {
-    files.map(|key, file| scope.path(&slot(key), file))
+pub(super) fn marker_files(scope: Scope<'_>, files: &MarkerFiles, slot: &[Step]) -> MarkerFiles {
+    files.map(|key, file| scope.path(&at_key(slot, key), file))
 }
 
 /// A file whose notation does not fit its key is a fault of the pipeline.
@@ -80,9 +121,9 @@ fn as_named(diagnostic: Diagnostic) -> Diagnostic {
     Diagnostic { kind: Kind::BadPipeline, hint, ..diagnostic }
 }
 
-/// The path in the document of the file under `key`, or of the only file.
-fn slot(key: Option<&str>) -> Vec<Step> {
-    path(["markers"]).into_iter().chain(key.map(|key| Step::Key(key.into()))).collect()
+/// The path in the document of the file under `key` of `slot`, or of the only file.
+fn at_key(slot: &[Step], key: Option<&str>) -> Vec<Step> {
+    slot.iter().cloned().chain(key.map(|key| Step::Key(key.into()))).collect()
 }
 
 /// Warns of meshes that have changed since the markers in `file` were made.

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use mimesh_core::{plugin, stage::KeyPoints};
-use mimesh_document::{At, Diagnostic, Document, Kind, Location, diagnostic::Result};
+use mimesh_document::{At, Diagnostic, Document, Kind, Location, diagnostic::Result, path};
 use mimesh_markers::MarkerFiles;
 
 use super::{
@@ -47,8 +47,11 @@ pub fn prepare_source(file: &Path, options: &Options, cache: Option<&Cache>) -> 
     check_formats(scope, &mut found);
     let seam_cache = SeamCache { cache, hashes: &FileHashes::default() };
     let (source, poses, _) = poses::source(scope, &mut found, &pipeline.source, seam_cache);
-    let files_of_markers =
-        pipeline.markers.as_ref().and_then(MarkerSource::files).map(|files| marker_files(scope, files));
+    let files_of_markers = pipeline
+        .markers
+        .as_ref()
+        .and_then(MarkerSource::files)
+        .map(|files| marker_files(scope, files, &path(["markers"])));
     let target = pipeline.target.rest.map(|rest| rest.file).filter(|_| targets.len() <= 1);
     let mut inputs = found.inputs.clone();
     let named = files_of_markers.iter().flat_map(MarkerFiles::named);
@@ -83,7 +86,7 @@ pub fn prepare_meshes(file: &Path, options: &Options) -> Result<Meshes> {
     let source = poses::rest_file(scope, &mut found, &pipeline.source, pipeline.source.poses.as_ref());
     let target = rest_meshes::target(scope, &mut found, &pipeline.target);
     let files_of_markers = pipeline.markers.as_ref().and_then(MarkerSource::files);
-    let markers = files_of_markers.map(|files| marker_files(scope, files));
+    let markers = files_of_markers.map(|files| marker_files(scope, files, &path(["markers"])));
     finish(found, file)?;
     let (source, target) = source.zip(target).ok_or_else(refused_without_reason)?;
     Ok(Meshes { source, target, markers })

@@ -15,7 +15,7 @@ use super::{
     common::{Options, check_formats, check_registry, pipeline_files, refused_without_reason},
     findings::{Findings, Scope},
     ground_truth::ground_truth,
-    markers::markers,
+    markers::{clicks, markers},
     metrics::{check_bound, gates, metrics},
     outputs::outputs,
     rest_choice::warn_of_rest,
@@ -155,6 +155,17 @@ fn prepare_one(
         pipeline.metrics = metrics;
     }
     let markers = marker_input(scope, found_mut, &mut pipeline, open, meshes, &shared.hashes);
+    let clicks = match pipeline.markers.as_ref().and_then(MarkerSource::clicks) {
+        Some(files) => clicks(
+            scope,
+            found_mut,
+            files,
+            meshes.map(|(source, _)| source),
+            meshes.map(|(_, target)| target),
+            &shared.hashes,
+        ),
+        None => Some(vec![]),
+    };
     let are_proposed = pipeline.markers.as_ref().and_then(MarkerSource::stage).is_some();
     if are_proposed {
         check_mirrored(found_mut, source.as_deref(), target.as_deref());
@@ -175,7 +186,7 @@ fn prepare_one(
     let report = options.report.as_deref().unwrap_or("run.json");
     let outputs = outputs(scope, found_mut, &pipeline, target.as_deref(), &poses, out.as_ref(), report);
     found.diagnostics.into_result()?;
-    let (Some(source), Some(target), Some(markers)) = (source, target, markers) else {
+    let (Some(source), Some(target), Some(markers), Some(clicks)) = (source, target, markers, clicks) else {
         return Err(refused_without_reason().into());
     };
     let reading = clock.stop("reading", "", seam_figures(&source, &target));
@@ -199,6 +210,8 @@ fn prepare_one(
         document,
         poses,
         markers: if are_proposed { OnceLock::new() } else { markers.into() },
+        clicks,
+        allow_commands: options.allow_commands,
         proximity,
         truth,
         metrics,

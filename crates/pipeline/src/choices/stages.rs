@@ -9,7 +9,6 @@ use mimesh_core::{
 use super::{Choice, Open, overlap::overlap};
 use crate::{
     input::ProximityInput,
-    marker_source::MarkerSource,
     parse::slots,
     spec::Pipeline,
     text::{count, number},
@@ -76,7 +75,7 @@ pub fn choose_markers(pipeline: &mut Pipeline, named: &[Marker]) -> Option<Choic
             .then(|| Choice::new("markers", "names", format!("{points} one name on both meshes")));
     }
     let stage = instance::<dyn Landmarks>(BY_SHAPE)?;
-    pipeline.markers = Some(MarkerSource::Stage(stage));
+    pipeline.markers = Some(stage.into());
     let why = match named.len() {
         0 => "there is no file of markers, and no point has a name on both meshes".into(),
         few => format!("only {} a name on both meshes", count(few, "point has", "points have")),

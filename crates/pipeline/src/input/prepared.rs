@@ -33,6 +33,10 @@ pub struct Prepared {
     pub poses: Vec<PoseInput>,
     /// Pairs of points of the two surfaces; those that a stage proposes are there once it has run.
     pub markers: OnceLock<Vec<Marker>>,
+    /// The user's own markers beside a stage that proposes others.
+    pub clicks: Vec<Marker>,
+    /// Whether stages may run programs of the user's.
+    pub allow_commands: bool,
     /// The proximity graph of the target, which the checks of stages needed; `None` if there is no such stage.
     pub proximity: Option<ProximityInput>,
     /// The known results.

@@ -6,7 +6,7 @@ use mimesh_core::{
     Figures, Result,
     stage::{BindInput, BoundTransfer, Proposal, Transfer, TransferPair, TriangleMap},
 };
-use mimesh_document::{Diagnostic, Diagnostics, diagnostic};
+use mimesh_document::{Diagnostic, Diagnostics, Kind, diagnostic};
 use mimesh_markers::IntoDiagnostic;
 
 use crate::{
@@ -20,6 +20,9 @@ use crate::{
 
 /// Remedy: give markers in place of those that a stage proposes.
 pub const GIVE_MARKERS: &str = "give_markers";
+
+/// Remedy: allow stages to run programs.
+pub const ALLOW_COMMANDS: &str = "allow_commands";
 
 /// The stages of a run that run once.
 pub(super) struct Stages<'a> {
@@ -83,7 +86,10 @@ impl<'a> Stages<'a> {
                 proposal
             }
             None => {
-                let pair = TransferPair { markers: &[], ..self.pair() };
+                if let Some(command) = landmarks.command().filter(|_| !self.prepared.allow_commands) {
+                    return Err(not_allowed(command).doing(format!("landmarks ({name})")).into());
+                }
+                let pair = TransferPair { markers: &self.prepared.clicks, ..self.pair() };
                 let proposal = self.stage("landmarks", name, || {
                     let mut proposal = landmarks.propose(pair)?;
                     proposal.check(pair)?;
@@ -227,6 +233,13 @@ impl<'a> Stages<'a> {
             }
         }
     }
+}
+
+/// The refusal of a program that the user did not allow; whoever wrote the pipeline may be a stranger.
+fn not_allowed(command: &[String]) -> Diagnostic {
+    let message = format!("it would run the command `{}`", command.join(" "));
+    let hint = "look at it, and allow commands if you trust it";
+    Diagnostic::new(Kind::Usage, message).remedy(ALLOW_COMMANDS, "", hint)
 }
 
 /// The failure with one more way out of each diagnostic.

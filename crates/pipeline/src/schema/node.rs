@@ -72,6 +72,11 @@ impl<'s> SchemaNode<'s> {
         self.slot.get("x-file").and_then(Value::as_bool).unwrap_or(false)
     }
 
+    /// Whether the value is a program with its arguments.
+    pub fn is_command(self) -> bool {
+        self.slot.get("x-command").and_then(Value::as_bool).unwrap_or(false)
+    }
+
     /// An extension of the slot, e.g. `x-defaults`, else of the schema that the slot refers to.
     pub fn extension(self, name: &str) -> Option<&'s Value> {
         self.slot.get(name).or_else(|| self.schema.get(name))

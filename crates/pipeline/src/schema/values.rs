@@ -1,6 +1,6 @@
 //! Walks a value along with its schema: numbers out of their range, and settings that name files.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use mimesh_document::{At, Diagnostics, Document, Step, paths::from_base};
 use serde_json::Value;
@@ -28,8 +28,14 @@ pub fn check_ranges(document: &Document, path: &[Step], diagnostics: &mut Diagno
     });
 }
 
-/// The settings within `value`, whose schema is `node`, that name files.
+/// The settings within `value`, whose schema is `node`, that name files; words of commands where there is such a file.
 pub fn file_settings(node: SchemaNode<'_>, value: &Value) -> Vec<FileSetting> {
+    let mut found = of_files(node, value);
+    found.extend(words_of_commands(node, value).into_iter().filter(|word| word.file.is_file()));
+    found
+}
+
+fn of_files(node: SchemaNode<'_>, value: &Value) -> Vec<FileSetting> {
     let mut found = Vec::new();
     visit(node, value, &mut vec![], &mut |node, value, path| {
         if let Some(text) = value.as_str().filter(|_| node.is_file()) {
@@ -39,14 +45,36 @@ pub fn file_settings(node: SchemaNode<'_>, value: &Value) -> Vec<FileSetting> {
     found
 }
 
+/// The words of commands within `value` that may be files; a program without a folder is one that the system finds.
+fn words_of_commands(node: SchemaNode<'_>, value: &Value) -> Vec<FileSetting> {
+    let mut found = Vec::new();
+    visit(node, value, &mut vec![], &mut |node, value, path| {
+        let Some(words) = value.as_array().filter(|_| node.is_command()) else { return };
+        let texts = words.iter().enumerate().filter_map(|(i, word)| Some((i, word.as_str()?)));
+        let may_be_file =
+            |&(i, text): &(usize, &str)| !text.is_empty() && (i > 0 || Path::new(text).components().count() > 1);
+        found.extend(texts.filter(may_be_file).map(|(i, text)| FileSetting {
+            path: path.iter().cloned().chain([Step::Index(i)]).collect(),
+            file: text.into(),
+        }));
+    });
+    found
+}
+
 /// Makes the paths of all files that settings of `document` name relative to the current folder.
 ///
 /// A path is relative to the folder of the file that names it. Returns the settings with their paths as they are now.
 pub fn resolve_files(document: &mut Document) -> Vec<FileSetting> {
-    let mut settings = file_settings(SchemaNode::pipeline(), &document.value);
+    let mut settings = of_files(SchemaNode::pipeline(), &document.value);
+    let words = words_of_commands(SchemaNode::pipeline(), &document.value).into_iter();
+    settings.extend(words.filter(|word| from_base(document.folder(&word.path), &word.file).is_file()));
     for FileSetting { path, file } in &mut settings {
         if !file.as_os_str().is_empty() {
             *file = from_base(document.folder(path), file);
+        }
+        // A program without a folder would be searched elsewhere.
+        if path.last() == Some(&Step::Index(0)) && file.components().count() == 1 {
+            *file = Path::new(".").join(&file);
         }
         if let Some(value) = document.get_mut(path) {
             *value = file.to_string_lossy().into();
