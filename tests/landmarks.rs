@@ -301,3 +301,40 @@ fn a_program_proposes_markers_only_where_it_is_allowed() {
     let failed = project.mimesh(&["run", "p.yaml", "--allow-commands"]);
     assert!(failed.stderr.contains("exit status: 3: no weights"), "{}", failed.stderr);
 }
+
+#[test]
+fn proposed_pairs_are_written_corrected_and_taken_up_again() {
+    let project = Project::new();
+    run(&project, "auto");
+    let propose = |arguments: &[&str]| {
+        let all = [&["markers", "propose", "--pipeline", "p.yaml", "-o", "pairs.yaml"], arguments].concat();
+        project.mimesh(&all)
+    };
+    let first = propose(&[]);
+    assert_eq!(first.status, 0, "{}", first.stderr);
+    let text = project.read("pairs.yaml");
+    let pairs: Vec<&str> = text.lines().filter(|line| line.starts_with("  - ")).collect();
+    assert!(pairs.len() >= 4 && pairs.iter().all(|line| line.contains("status: proposed, confidence: ")), "{text}");
+    assert!(project.bytes("pairs.png").starts_with(b"\x89PNG"));
+    let again = propose(&[]);
+    assert!(again.status != 0 && again.stderr.contains("--force"), "{}", again.stderr);
+
+    // What is written runs as markers, and gives what the stage itself gives.
+    let by_stage = project.read("out/1.obj");
+    let by_file = project.mimesh(&["run", "p.yaml", "--set", "markers=pairs.yaml", "--out", "again", "--json"]);
+    assert_eq!(by_file.status, 0, "{}", by_file.stderr);
+    assert!(project.read("again/1.obj") == by_stage, "the file holds other pairs than the stage gave");
+
+    // A confirmed pair comes first and stays, the others are found anew.
+    project.write("pairs.yaml", &text.replacen(", status: proposed", ", status: confirmed", 1));
+    let kept = propose(&["--clicks", "pairs.yaml", "--force", "--json"]);
+    assert_eq!(kept.status, 0, "{}", kept.stderr);
+    let report: Value = serde_json::from_str(&kept.stdout).expect("JSON");
+    assert_eq!((&report["clicks"], &report["pairs"][0]["confidence"]), (&json!(1), &json!(1.0)));
+    let text = project.read("pairs.yaml");
+    let first = text.lines().find(|line| line.starts_with("  - ")).expect("a pair");
+    assert!(!first.contains("status"), "{text}");
+
+    let unknown = propose(&["--type", "magic", "--force"]);
+    assert!(unknown.stderr.contains("no stage `magic`") && unknown.stderr.contains("mimesh list"), "{}", unknown.stderr);
+}

@@ -1,7 +1,8 @@
-//! `mimesh markers`: files of markers converted, mirrored and carried to edited meshes.
+//! `mimesh markers`: markers proposed, converted, mirrored and carried to edited meshes.
 
 mod convert;
 mod mirror;
+mod propose;
 mod reattach;
 
 use crate::cli::posed_meshes::read;
@@ -24,7 +25,7 @@ use mimesh_pipeline::{
 
 use crate::cli::{CommandResult, terminal};
 
-/// Converts markers, completes them across a plane of symmetry, and carries them to edited meshes.
+/// Proposes markers by shape, converts them, completes them across a plane of symmetry, and carries them to edited meshes.
 #[derive(Debug, clap::Args)]
 pub struct Markers {
     #[command(subcommand)]
@@ -35,6 +36,7 @@ pub struct Markers {
 enum Command {
     Convert(convert::Convert),
     Mirror(mirror::Mirror),
+    Propose(propose::Propose),
     Reattach(reattach::Reattach),
 }
 
@@ -44,6 +46,7 @@ impl Markers {
         match &self.command {
             Command::Convert(command) => command.run(),
             Command::Mirror(command) => command.run(),
+            Command::Propose(command) => command.run(),
             Command::Reattach(command) => command.run(),
         }
     }
@@ -88,7 +91,7 @@ impl Common {
     fn load(&self) -> Result<Loaded> {
         let (source, target, pipeline_markers) = match (&self.pipeline, &self.source, &self.target) {
             (Some(pipeline), ..) => {
-                let Meshes { source, target, markers } =
+                let Meshes { source, target, markers, .. } =
                     prepare_meshes(pipeline, &Options { roots: self.roots.folders(), ..Options::default() })?;
                 (source, target, markers)
             }

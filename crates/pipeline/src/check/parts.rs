@@ -20,7 +20,7 @@ use crate::{
     compose::{Part, compose_part},
     formats::Formats,
     input::{FileHashes, InputFile, Meshes, PreparedSource},
-    marker_source::MarkerSource,
+    marker_source::{CLICKS, MarkerSource, ProposedMarkers},
     parse::{Parsed, Required, parse},
     schema::resolve_files,
 };
@@ -71,7 +71,7 @@ pub fn prepare_source(file: &Path, options: &Options, cache: Option<&Cache>) -> 
 ///
 /// All that is wrong with these slots, and that there are several targets.
 pub fn prepare_meshes(file: &Path, options: &Options) -> Result<Meshes> {
-    let slots = ["source", "target", "markers", "formats"];
+    let slots = ["source", "target", "markers", "correspondence", "formats"];
     let Part { mut document, included, targets } = compose_part(file, &options.settings, &slots)?;
     if targets.len() > 1 {
         let message = format!("the pipeline has several targets ({}), expected one", targets.join(", "));
@@ -85,11 +85,16 @@ pub fn prepare_meshes(file: &Path, options: &Options) -> Result<Meshes> {
     let scope = Scope { document: &document, formats: &formats, rejected: &rejected };
     let source = poses::rest_file(scope, &mut found, &pipeline.source, pipeline.source.poses.as_ref());
     let target = rest_meshes::target(scope, &mut found, &pipeline.target);
-    let files_of_markers = pipeline.markers.as_ref().and_then(MarkerSource::files);
-    let markers = files_of_markers.map(|files| marker_files(scope, files, &path(["markers"])));
+    let (markers, landmarks) = match pipeline.markers {
+        None => (None, None),
+        Some(MarkerSource::Files(files)) => (Some(marker_files(scope, &files, &path(["markers"]))), None),
+        Some(MarkerSource::Stage(ProposedMarkers { stage, clicks })) => {
+            (clicks.map(|files| marker_files(scope, &files, &path(["markers", CLICKS]))), Some(stage))
+        }
+    };
     finish(found, file)?;
     let (source, target) = source.zip(target).ok_or_else(refused_without_reason)?;
-    Ok(Meshes { source, target, markers })
+    Ok(Meshes { source, target, markers, landmarks, correspondence: pipeline.correspondence })
 }
 
 /// All diagnostics in the order of the file, if there are any.

@@ -5,7 +5,7 @@ use std::{
     sync::{Arc, OnceLock},
 };
 
-use mimesh_core::stage::{KeyPoints, Landmarks, Marker, Metric, ProximityGraph};
+use mimesh_core::stage::{Correspondence, KeyPoints, Landmarks, Marker, Metric, ProximityGraph};
 use mimesh_document::Document;
 use mimesh_markers::MarkerFiles;
 
@@ -106,6 +106,10 @@ pub struct Meshes {
     pub target: RestMesh,
     /// The pipeline's files of markers, as seen from the current folder.
     pub markers: Option<MarkerFiles>,
+    /// The stage that proposes markers, if the pipeline has one.
+    pub landmarks: Option<Box<dyn Landmarks>>,
+    /// The stage that pairs triangles, if the pipeline names one.
+    pub correspondence: Option<Box<dyn Correspondence>>,
 }
 
 /// A proximity graph with the report of its computation.

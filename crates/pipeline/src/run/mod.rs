@@ -8,4 +8,4 @@ mod written;
 
 pub use execute::{Finished, run};
 pub use poses::pose_error;
-pub use stages::{ALLOW_COMMANDS, GIVE_MARKERS};
+pub use stages::GIVE_MARKERS;

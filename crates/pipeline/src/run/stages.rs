@@ -6,7 +6,7 @@ use mimesh_core::{
     Figures, Result,
     stage::{BindInput, BoundTransfer, Proposal, Transfer, TransferPair, TriangleMap},
 };
-use mimesh_document::{Diagnostic, Diagnostics, Kind, diagnostic};
+use mimesh_document::{Diagnostic, Diagnostics, diagnostic};
 use mimesh_markers::IntoDiagnostic;
 
 use crate::{
@@ -15,14 +15,12 @@ use crate::{
     input::{Prepared, read_evenly_spaced},
     plan::CachedRun,
     progress::Progress,
+    propose::propose,
     report::{Clock, StageReport},
 };
 
 /// Remedy: give markers in place of those that a stage proposes.
 pub const GIVE_MARKERS: &str = "give_markers";
-
-/// Remedy: allow stages to run programs.
-pub const ALLOW_COMMANDS: &str = "allow_commands";
 
 /// The stages of a run that run once.
 pub(super) struct Stages<'a> {
@@ -86,22 +84,14 @@ impl<'a> Stages<'a> {
                 proposal
             }
             None => {
-                if let Some(command) = landmarks.command().filter(|_| !self.prepared.allow_commands) {
-                    return Err(not_allowed(command).doing(format!("landmarks ({name})")).into());
-                }
-                let pair = TransferPair { markers: &self.prepared.clicks, ..self.pair() };
-                let proposal = self.stage("landmarks", name, || {
-                    let mut proposal = landmarks.propose(pair)?;
-                    proposal.check(pair)?;
-                    let Prepared { source, target, .. } = self.prepared;
-                    if let Some(warning) = handedness::warning_of_markers(source, target, &proposal.markers()) {
-                        proposal.figures.warn(warning);
-                    }
-                    let figures = proposal.figures.clone();
-                    Ok((proposal, figures))
-                });
+                self.progress.stage(&format!("landmarks ({name})"));
+                let clock = Clock::start();
+                let Prepared { source, target, clicks, allow_commands, .. } = self.prepared;
+                let proposal = propose(landmarks, [source, target], clicks, *allow_commands);
+                let proposal = proposal.map_err(|failure| doing(failure, format!("landmarks ({name})")));
                 let proposal =
                     proposal.map_err(|failure| with_remedy(failure, GIVE_MARKERS, "give a file of `markers`"))?;
+                self.report(clock.stop("landmarks", name, proposal.figures.clone()));
                 if let Some((cache, key)) = key {
                     cache.put("landmarks", key, &proposal);
                 }
@@ -235,11 +225,14 @@ impl<'a> Stages<'a> {
     }
 }
 
-/// The refusal of a program that the user did not allow; whoever wrote the pipeline may be a stranger.
-fn not_allowed(command: &[String]) -> Diagnostic {
-    let message = format!("it would run the command `{}`", command.join(" "));
-    let hint = "look at it, and allow commands if you trust it";
-    Diagnostic::new(Kind::Usage, message).remedy(ALLOW_COMMANDS, "", hint)
+/// The failure with the stage that it came from.
+fn doing(failure: Diagnostics, stage: String) -> Diagnostics {
+    let strip = |diagnostic: Diagnostic| {
+        // Some errors name the stage themselves.
+        let message = diagnostic.message.trim_start_matches("landmarks: ").to_owned();
+        Diagnostic { message, ..diagnostic }.doing(stage.clone())
+    };
+    Diagnostics { list: failure.list.into_iter().map(strip).collect() }
 }
 
 /// The failure with one more way out of each diagnostic.
