@@ -10,6 +10,9 @@ use mimesh_pipeline::{Prepared, spelled_out::spelled_out};
 
 use crate::cli::out_file::OutFile;
 
+/// What a pipeline's file may end in.
+const EXTENSIONS: [&str; 2] = ["yaml", "yml"];
+
 /// The file for a pipeline.
 pub struct SavedPipeline<'a> {
     file: OutFile<'a>,
@@ -25,6 +28,17 @@ impl<'a> SavedPipeline<'a> {
         Self::named("--save", file)
     }
 
+    /// Takes `file`, named with `--save`, whether or not it is there already.
+    ///
+    /// # Errors
+    ///
+    /// A diagnostic if it is no `.yaml`.
+    pub fn replacing(file: &'a Path) -> Result<Self> {
+        let file = OutFile { option: "--save", file };
+        file.check(&EXTENSIONS)?;
+        Ok(Self { file })
+    }
+
     /// Takes `file`, named with `option`.
     ///
     /// # Errors
@@ -32,7 +46,7 @@ impl<'a> SavedPipeline<'a> {
     /// A diagnostic if it is no `.yaml`, or is there already.
     pub fn named(option: &'static str, file: &'a Path) -> Result<Self> {
         let out = OutFile { option, file };
-        out.check(&["yaml", "yml"])?;
+        out.check(&EXTENSIONS)?;
         if file.exists() {
             let diagnostic = out.diagnostic(Kind::CannotWrite, "exists already");
             return Err(diagnostic.hint("nothing is overwritten; choose another name").into());

@@ -27,7 +27,7 @@ pub struct TransferCommand {
     /// Also write the pipeline with every choice spelled out into this file, for `mimesh run`
     #[arg(long, value_name = "FILE")]
     save: Option<PathBuf>,
-    /// Overwrite results that are there already
+    /// Overwrite results and a saved pipeline that are there already
     #[arg(long)]
     force: bool,
     #[command(flatten)]
@@ -37,7 +37,8 @@ pub struct TransferCommand {
 impl TransferCommand {
     /// Runs the command.
     pub fn run(&self) -> CommandResult {
-        let saved = self.save.as_deref().map(SavedPipeline::new).transpose()?;
+        let place = if self.force { SavedPipeline::replacing } else { SavedPipeline::new };
+        let saved = self.save.as_deref().map(place).transpose()?;
         let cache = self.execution.cache.open()?;
         let all = self.meshes.prepare(cache.as_ref())?;
         if !self.force {

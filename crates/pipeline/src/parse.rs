@@ -124,7 +124,8 @@ impl Slots<'_> {
 
     /// A stage, unless it is left to the program.
     fn stage<T: DeserializeOwned>(&mut self, key: &str) -> Option<T> {
-        if is_open(self.document.value.get(key)) { None } else { self.optional(key) }
+        let value = self.document.value.get(key);
+        if is_open(value) || value.is_some_and(Value::is_null) { None } else { self.optional(key) }
     }
 
     /// The transfer, which a run cannot do without.
@@ -144,7 +145,7 @@ impl Slots<'_> {
     /// The files of markers, or the stage that proposes them, which is a mapping with `type`.
     fn markers(&mut self) -> Option<MarkerSource> {
         let value = self.document.value.get("markers")?;
-        if is_open(Some(value)) {
+        if is_open(Some(value)) || value.is_null() {
             return None;
         }
         if value.get("type").is_some() {

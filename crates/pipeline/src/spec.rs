@@ -45,14 +45,14 @@ pub struct Pipeline {
     /// components without markers to follow those that have them.
     ///
     /// Left out or `auto`, a stage is chosen where others need it. `~` stands for none.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(schema_with = "stage_or_auto::<dyn Proximity>")]
     pub proximity: Option<Box<dyn Proximity>>,
     /// How triangles of source and target are paired; `transfer: { type: biharmonic }` does without.
     ///
     /// Left out or `auto`, it is chosen where the transfer or a metric that the pipeline names needs it: `identity` for meshes of one
     /// topology, `nearest` for those that lie on each other, else `nonrigid_fit`. `~` stands for none.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(schema_with = "stage_or_auto::<dyn Correspondence>")]
     pub correspondence: Option<Box<dyn Correspondence>>,
     /// Writes the triangle pairs to this JSON file, for `correspondence: { type: from_file, path: … }`.
@@ -61,6 +61,7 @@ pub struct Pipeline {
     /// How the motion is carried over.
     ///
     /// Left out or `auto`, `gradient` for a target of one component, and `multi_component` for one of several.
+    #[serde(default)]
     #[schemars(schema_with = "stage_or_auto::<dyn Transfer>")]
     pub transfer: Option<Box<dyn Transfer>>,
     /// The known results to score against: a file a pose with `{pose}` in its name, or one file that holds all poses.

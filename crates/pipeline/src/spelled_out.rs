@@ -77,7 +77,13 @@ fn values(prepared: &Prepared) -> Value {
     let typed = to_value(&prepared.pipeline);
     for choice in &prepared.choices {
         match choice.stage.as_str() {
-            "source.poses" => values["source"]["poses"] = typed["source"]["poses"].clone(),
+            "source.poses" => {
+                let mut poses = typed["source"]["poses"].clone();
+                if let Some([clip]) = poses["clip"].as_array().map(Vec::as_slice) {
+                    poses["clip"] = clip.clone();
+                }
+                values["source"]["poses"] = poses;
+            }
             // Names are taken where nothing is said of markers.
             "markers" if typed["markers"].is_null() => {}
             stage => values[stage] = json!({ "type": choice.chosen }),

@@ -56,7 +56,10 @@ pub(super) fn own_clip(mesh: &RestMesh) -> Option<(Poses, Choice)> {
         1 => "the file of the source has no morph targets and this clip alone".into(),
         many => {
             let names: Vec<&str> = clips.iter().map(|clip| clip.name.as_str()).collect();
-            format!("the file of the source has no morph targets, and {many} clips: {}", some_of(&names))
+            format!(
+                "the file of the source has no morph targets, and of its {many} clips one is taken: {}",
+                some_of(&names)
+            )
         }
     };
     let named = OneOrMany { items: vec![clip.name.clone()], listed: false };

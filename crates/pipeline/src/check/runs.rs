@@ -9,7 +9,7 @@ use mimesh_core::{
     Figures,
     stage::{Marker, Proximity, ProximityGraph, TransferPair},
 };
-use mimesh_document::{Document, diagnostic::Result};
+use mimesh_document::{Document, diagnostic::Result, path};
 
 use super::{
     common::{Options, check_formats, check_registry, pipeline_files, refused_without_reason},
@@ -234,6 +234,10 @@ fn marker_input(
     meshes: Option<(&RestMesh, &RestMesh)>,
     hashes: &FileHashes,
 ) -> Option<Vec<Marker>> {
+    // What is wrong with them is reported, and what follows from it needs no diagnostic.
+    if scope.rejected.iter().any(|at| at.starts_with(&path(["markers"]))) {
+        return None;
+    }
     // The run proposes them; what needs them is left to it.
     if pipeline.markers.as_ref().and_then(MarkerSource::stage).is_some()
         || (pipeline.markers.is_none() && !open.markers)

@@ -28,7 +28,10 @@ pub fn choose_stages(
     if open.transfer {
         let (name, why) = match components {
             1 => ("gradient", "the target is one connected surface".into()),
-            many => ("multi_component", format!("the target has {}", count(many, "component", "components"))),
+            many => {
+                let components = count(many, "component", "components");
+                ("multi_component", format!("the target has {components}; `rigid: [all]` keeps the shape of each"))
+            }
         };
         pipeline.transfer = instance::<dyn Transfer>(name);
         choices.extend(pipeline.transfer.as_ref().map(|_| Choice::new("transfer", name, why)));
