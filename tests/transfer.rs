@@ -39,12 +39,12 @@ fn two_files_in_motion_out_and_nothing_is_overwritten() {
     assert!(project.bytes("again/camel-from-horse.glb") == project.bytes("camel-from-horse.glb"), "the results differ");
 
     let before = project.bytes("camel-from-horse.glb");
-    let again = transfer(&project, &["horse.obj", "camel.obj", "--poses", "horse-*0.obj"]);
+    let again = transfer(&project, &["horse.obj", "camel.obj", "--poses", "horse-*1.obj"]);
     assert_eq!(again.status, 73, "{}", again.stderr);
     assert!(again.stderr.contains("--output camel-from-horse.glb: exists already"), "{}", again.stderr);
     assert!(again.stderr.contains("`-o FILE`") && again.stderr.contains("`--force`"), "{}", again.stderr);
     assert!(project.bytes("camel-from-horse.glb") == before);
-    let forced = transfer(&project, &["horse.obj", "camel.obj", "--poses", "horse-*0.obj", "--force", "-q"]);
+    let forced = transfer(&project, &["horse.obj", "camel.obj", "--poses", "horse-*1.obj", "--force", "-q"]);
     assert_eq!((forced.status, forced.stdout.as_str()), (0, ""), "{}", forced.stderr);
 }
 
