@@ -50,7 +50,7 @@ pub use input::{Prepared, PreparedSource};
 pub use one_or_many::OneOrMany;
 pub use plan::Plan;
 pub use progress::Progress;
-pub use report::Report;
 pub use propose::ALLOW_COMMANDS;
+pub use report::Report;
 pub use run::{Finished, GIVE_MARKERS, run};
 pub use spec::Pipeline;

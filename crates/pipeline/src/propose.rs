@@ -27,12 +27,8 @@ pub fn propose(
     if let Some(command) = landmarks.command().filter(|_| !allow_commands) {
         return Err(not_allowed(command).into());
     }
-    let pair = TransferPair {
-        source: &source.surface,
-        target: target.seen_surface(),
-        markers: clicks,
-        proximity: None,
-    };
+    let pair =
+        TransferPair { source: &source.surface, target: target.seen_surface(), markers: clicks, proximity: None };
     let proposal = landmarks.propose(pair).and_then(|proposal| proposal.check(pair).map(|()| proposal));
     let mut proposal = proposal.map_err(IntoDiagnostic::into_diagnostic)?;
     if let Some(warning) = handedness::warning_of_markers(source, target, &proposal.markers()) {

@@ -144,10 +144,9 @@ impl Propose {
     /// Runs the command.
     pub fn run(&self) -> CommandResult {
         let picture = self.picture.clone().or_else(|| Some(self.output.as_ref()?.with_extension("png")));
-        for (option, file, endings) in [
-            ("--output", self.output.as_deref(), &["yaml", "yml"][..]),
-            ("--picture", picture.as_deref(), &["png"]),
-        ] {
+        for (option, file, endings) in
+            [("--output", self.output.as_deref(), &["yaml", "yml"][..]), ("--picture", picture.as_deref(), &["png"])]
+        {
             file.map_or(Ok(()), |file| self.check(OutFile { option, file }, endings))?;
         }
         let (meshes, stage) = self.meshes.read()?;

@@ -235,8 +235,11 @@ fn doing(failure: Diagnostics, stage: String) -> Diagnostics {
     Diagnostics { list: failure.list.into_iter().map(strip).collect() }
 }
 
-/// The failure with one more way out of each diagnostic.
+/// The failure with one more way out of each diagnostic that has none like it.
 fn with_remedy(failure: Diagnostics, action: &'static str, words: &str) -> Diagnostics {
-    let list = failure.list.into_iter().map(|diagnostic| diagnostic.remedy(action, "", words));
+    let list = failure.list.into_iter().map(|diagnostic| match diagnostic.remedy {
+        Some(_) => diagnostic,
+        None => diagnostic.remedy(action, "", words),
+    });
     Diagnostics { list: list.collect() }
 }
