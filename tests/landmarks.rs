@@ -305,7 +305,7 @@ fn a_program_proposes_markers_only_where_it_is_allowed() {
 #[test]
 fn proposed_pairs_are_written_corrected_and_taken_up_again() {
     let project = Project::new();
-    let report = run(&project, "auto");
+    let report = run(&project, "{ type: extremities }");
     let file = format!("{}.obj", report["poses"][0]["name"].as_str().expect("a name"));
     let propose = |arguments: &[&str]| {
         let all = [&["markers", "propose", "--pipeline", "p.yaml", "-o", "pairs.yaml"], arguments].concat();
