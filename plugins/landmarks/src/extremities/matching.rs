@@ -1,6 +1,6 @@
-//! Which limb of one shape is which of another, under each quarter turn of their axes.
+//! Which limb of one shape is which of another, under turns of their axes.
 
-use nalgebra::{Matrix3, Point3, Vector3, Vector6};
+use nalgebra::{Matrix3, Vector3, Vector6};
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::{
     assignment::assign,
     shape::Shape,
-    turn::{in_box, quarter_turns},
+    turn::{Frames, angle, in_box, nearest_rotation, principal_axes, quarter_turns},
 };
 
 /// Fewer pairs say too little.
@@ -22,6 +22,12 @@ const NORMALS: f64 = 0.1;
 
 /// What a limb without partner adds to a score.
 const UNPAIRED: f64 = 0.05;
+
+/// Two shapes that are turned against each other by less than this, in degrees, beside quarter turns, stand alike.
+const MIN_ANGLE: f64 = 12.0;
+
+/// So many of the best matches are looked at for a turn that is no quarter turn.
+const REFINED: usize = 3;
 
 /// Every so manieth point is laid on the other shape; more tell the same.
 const STRIDE: usize = 4;
@@ -48,8 +54,8 @@ impl Default for Limits {
 /// Limbs paired under one turn of the source.
 #[derive(Clone, Debug)]
 pub struct Match {
-    /// The turn of the source.
-    pub turn: Matrix3<f64>,
+    /// The frames in which the shapes lie alike.
+    pub frames: Frames,
     /// The limbs paired, ascending by that of the source.
     pub pairs: Vec<LimbPair>,
     /// The mean cost of the pairs.
@@ -78,21 +84,53 @@ impl Match {
     pub fn score(&self) -> f64 {
         self.place + self.distance + self.overlap + UNPAIRED * self.unpaired as f64
     }
+
+    /// Whether the same limbs are paired.
+    fn pairs_as(&self, other: &Self) -> bool {
+        self.pairs.len() == other.pairs.len()
+            && self.pairs.iter().zip(&other.pairs).all(|(a, b)| (a.source, a.target) == (b.source, b.target))
+    }
 }
 
-/// The matches of two shapes under all turns that pair limbs, best first.
+/// The matches of two shapes that pair limbs differently, best first.
+///
+/// The axes of the files turned by quarters come first, then principal axes. Where limbs so paired lie to each other as by another
+/// turn, the target is turned back by that.
 pub fn matches(source: &Shape, target: &Shape, limits: Limits) -> Vec<Match> {
-    let turns = quarter_turns();
-    let mut all: Vec<Match> =
-        turns.into_par_iter().filter_map(|turn| match_under(source, target, turn, limits)).collect();
+    let own = [source, target].map(|shape| principal_axes(&shape.cloud.places));
+    let quarters = quarter_turns();
+    let frames = quarters.iter().map(|&turn| Frames { source: turn, target: Matrix3::identity() });
+    let principal = quarters.iter().map(|turn| Frames { source: turn * own[0], target: own[1] });
+    let frames: Vec<Frames> = frames.chain(principal).collect();
+    let under = |frames: &Frames| match_under(source, target, *frames, limits);
+    let mut all: Vec<Match> = frames.par_iter().filter_map(under).collect();
     // The sort is stable: of equal ones the least turned comes first.
     all.sort_by(|a, b| a.score().total_cmp(&b.score()));
-    all
+    let turned: Vec<Frames> = all.iter().take(REFINED).filter_map(|found| fitted(source, target, found)).collect();
+    all.extend(turned.par_iter().filter_map(under).collect::<Vec<_>>());
+    all.sort_by(|a, b| a.score().total_cmp(&b.score()));
+    let mut distinct: Vec<Match> = Vec::new();
+    for found in all {
+        if distinct.iter().all(|other| !found.pairs_as(other)) {
+            distinct.push(found);
+        }
+    }
+    distinct
 }
 
-fn match_under(source: &Shape, target: &Shape, turn: Matrix3<f64>, limits: Limits) -> Option<Match> {
-    let turned: Vec<Point3<f64>> = source.cloud.places.iter().map(|p| turn * p).collect();
-    let (a, b) = (in_box(&turned, 0.0), in_box(&target.cloud.places, 0.0));
+/// The frames in which the target is turned back to the axes of the source, as the limbs of a match say; `None` if these stand alike
+/// but for quarter turns.
+fn fitted(source: &Shape, target: &Shape, found: &Match) -> Option<Frames> {
+    let tip = |shape: &Shape, limb: usize| shape.cloud.places[shape.limbs[limb].tip];
+    let from: Vec<_> = found.pairs.iter().map(|pair| tip(source, pair.source)).collect();
+    let to: Vec<_> = found.pairs.iter().map(|pair| tip(target, pair.target)).collect();
+    let turn = nearest_rotation(&from, &to)?;
+    let is_quarter = quarter_turns().iter().any(|quarter| angle(quarter, &turn) < MIN_ANGLE);
+    (!is_quarter).then(|| Frames { source: Matrix3::identity(), target: turn.transpose() })
+}
+
+fn match_under(source: &Shape, target: &Shape, frames: Frames, limits: Limits) -> Option<Match> {
+    let (a, b) = (in_box(&frames.source(source), 0.0), in_box(&frames.target(target), 0.0));
     let cost = |i: usize, j: usize| {
         let (i, j) = (source.limbs[i].tip, target.limbs[j].tip);
         (a[i] - b[j]).norm() + FAR * (source.far[i] - target.far[j]).abs()
@@ -110,10 +148,11 @@ fn match_under(source: &Shape, target: &Shape, turn: Matrix3<f64>, limits: Limit
         return None;
     }
     let count = pairs.len() as f64;
-    let normals: Vec<_> = source.cloud.normals.iter().map(|n| turn * n).collect();
-    let (x, y) = (with_normals(&a, &normals), with_normals(&b, &target.cloud.normals));
+    let normals = |turn: &Matrix3<f64>, shape: &Shape| shape.cloud.normals.iter().map(|n| turn * n).collect::<Vec<_>>();
+    let x = with_normals(&a, &normals(&frames.source, source));
+    let y = with_normals(&b, &normals(&frames.target, target));
     Some(Match {
-        turn,
+        frames,
         place: pairs.iter().map(|&(i, j)| cost(i, j)).sum::<f64>() / count,
         distance: misfits.iter().sum::<f64>() / count,
         overlap: (mean_to_nearest(&x, &y) + mean_to_nearest(&y, &x)) / 2.0,

@@ -10,6 +10,7 @@
 
 mod assignment;
 mod cloud;
+mod comparison;
 mod limbs;
 mod links;
 mod matching;
@@ -22,14 +23,19 @@ use mimesh_core::{
     Error, Result,
     plugin::{check_ranges, configured, nested},
     register,
-    stage::{Landmarks, Proposal, Sampler, TransferPair},
+    stage::{Correspondence, Landmarks, Proposal, Sampler, TransferPair},
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
 pub use self::matching::Limits;
-use self::{matching::matches, proposal::propose, shape::Shape};
+use self::{
+    comparison::Proxies,
+    matching::matches,
+    proposal::{proposal, readings},
+    shape::Shape,
+};
 
 register!(Landmarks: Extremities);
 
@@ -54,6 +60,11 @@ pub struct Extremities {
     /// The largest distance of a pair of points, in sides of the box of its limb.
     #[schemars(range(min = 0.0))]
     pub max_distance: f64,
+    /// The correspondence whose fits are compared; by default `nonrigid_fit`.
+    pub fit: Option<Box<dyn Correspondence>>,
+    /// How many vertices each surface has where fits are compared; fewer triangles stand for those of the file.
+    #[schemars(range(min = 100))]
+    pub fit_vertices: usize,
 }
 
 impl Default for Extremities {
@@ -65,6 +76,8 @@ impl Default for Extremities {
             limits: Limits::default(),
             points_per_limb: 2,
             max_distance: 0.25,
+            fit: configured(json!({ "type": "nonrigid_fit" })),
+            fit_vertices: 2000,
         }
     }
 }
@@ -90,15 +103,16 @@ impl Landmarks for Extremities {
         check_sides(&source, &target)?;
         let mut matches = matches(&source, &target, self.limits);
         matches.retain(|found| found.pairs.len() >= MIN_COUNT);
-        let proposal = propose(self, pair, &source, &target, &matches);
-        let found = proposal.pairs.len() - pair.markers.len();
-        if matches.is_empty() || found < MIN_COUNT {
+        let proxies = Proxies::new(pair, self.fit_vertices, nested("fit", &self.fit, "nonrigid_fit")?)?;
+        let readings = readings(self, pair, [&source, &target], &matches, &proxies);
+        let found = readings.first().map_or(0, |reading| reading.found(pair));
+        if found < MIN_COUNT {
             return Err(Error::data(
                 format!("only {found} points of the source were found on the target: expected at least {MIN_COUNT}"),
                 "are both meshes of one kind, in similar poses? If so, give markers by hand: these two share too few limbs",
             ));
         }
-        Ok(proposal)
+        Ok(proposal([&source, &target], &matches, readings))
     }
 }
 

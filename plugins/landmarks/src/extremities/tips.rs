@@ -5,7 +5,11 @@
 
 use nalgebra::{Matrix3, Point3, SVector, Vector3};
 
-use super::{matching::LimbPair, shape::Shape, turn::in_box};
+use super::{
+    matching::LimbPair,
+    shape::Shape,
+    turn::{Frames, in_box},
+};
 
 /// Limbs with fewer points are too small to be laid on each other.
 const MIN_POINTS: usize = 8;
@@ -37,14 +41,14 @@ pub struct Tip {
     pub distance: f64,
 }
 
-/// At most `most` points of the limbs in `pair` that correspond, the farthest out first, when the source is turned by `turn`.
+/// At most `most` points of the limbs in `pair` that correspond, the farthest out first, when the shapes are turned by `frames`.
 ///
 /// Points are mutually nearest in the boxes of their limbs, within `max_distance`.
 pub fn tips(
     source: &Shape,
     target: &Shape,
     pair: LimbPair,
-    turn: &Matrix3<f64>,
+    frames: &Frames,
     most: usize,
     max_distance: f64,
 ) -> Vec<Tip> {
@@ -52,8 +56,8 @@ pub fn tips(
     if own.iter().any(|points| points.len() < MIN_POINTS) {
         return vec![];
     }
-    let a = Outer::new(source, own[0], turn);
-    let b = Outer::new(target, own[1], &Matrix3::identity());
+    let a = Outer::new(source, own[0], &frames.source);
+    let b = Outer::new(target, own[1], &frames.target);
     let (to_b, to_a) = (nearest(&a.features, &b.features), nearest(&b.features, &a.features));
     let mutual = (0..own[0].len()).filter(|&i| to_a[to_b[i].0].0 == i && to_b[i].1 < max_distance);
     let worth = |i: usize| a.far[i] + b.far[to_b[i].0] - DISTANCE_COST * to_b[i].1;

@@ -1,7 +1,60 @@
-//! Quarter turns of axes, and places within bounding boxes.
+//! Turns of axes, and places within bounding boxes.
 
-use mimesh_core::mesh::bounding_box;
+use mimesh_core::{
+    mesh::bounding_box,
+    spatial::{Orientation, Similarity},
+};
 use nalgebra::{Matrix3, Point3, Vector3};
+
+use super::shape::Shape;
+
+/// Turns of two shapes after which they lie alike.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Frames {
+    /// The turn of the source.
+    pub source: Matrix3<f64>,
+    /// The turn of the target.
+    pub target: Matrix3<f64>,
+}
+
+impl Frames {
+    /// The turn that takes the source to the target.
+    pub fn turn(&self) -> Matrix3<f64> {
+        self.target.transpose() * self.source
+    }
+
+    /// The places of the source, turned.
+    pub fn source(&self, shape: &Shape) -> Vec<Point3<f64>> {
+        shape.cloud.places.iter().map(|p| self.source * p).collect()
+    }
+
+    /// The places of the target, turned.
+    pub fn target(&self, shape: &Shape) -> Vec<Point3<f64>> {
+        shape.cloud.places.iter().map(|p| self.target * p).collect()
+    }
+}
+
+/// The angle between two rotations, in degrees.
+pub fn angle(a: &Matrix3<f64>, b: &Matrix3<f64>) -> f64 {
+    (((a * b.transpose()).trace() - 1.0) / 2.0).clamp(-1.0, 1.0).acos().to_degrees()
+}
+
+/// The rotation that takes the axes along which `places` spread, most first, to x, y and z.
+pub fn principal_axes(places: &[Point3<f64>]) -> Matrix3<f64> {
+    let mean = places.iter().map(|p| p.coords).sum::<Vector3<f64>>() / places.len() as f64;
+    let covariance: Matrix3<f64> = places.iter().map(|p| (p.coords - mean) * (p.coords - mean).transpose()).sum();
+    let eigen = covariance.symmetric_eigen();
+    let mut order = [0, 1, 2];
+    order.sort_by(|&a, &b| eigen.eigenvalues[b].total_cmp(&eigen.eigenvalues[a]).then(a.cmp(&b)));
+    let [x, y] = [order[0], order[1]].map(|k| eigen.eigenvectors.column(k).into_owned());
+    Matrix3::from_rows(&[x.transpose(), y.transpose(), x.cross(&y).transpose()])
+}
+
+/// The rotation that takes points `from` to `to` about their means with the least sum of squares; `None` if it is not determined.
+pub fn nearest_rotation(from: &[Point3<f64>], to: &[Point3<f64>]) -> Option<Matrix3<f64>> {
+    let weights = vec![1.0; from.len()];
+    Some(Similarity::orient(from, to, &weights, Orientation::Fitted)?.rotation)
+}
 
 /// The 24 rotations that take axes to axes; those that turn least come first, as files of one kind share their axes.
 pub fn quarter_turns() -> Vec<Matrix3<f64>> {

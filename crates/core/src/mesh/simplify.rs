@@ -1,0 +1,378 @@
+//! The same shape with fewer triangles.
+
+use std::{
+    cmp::Reverse,
+    collections::{BTreeSet, BinaryHeap, HashMap},
+};
+
+use nalgebra::{Matrix3, Point3, Vector3};
+
+use super::{Surface, bounding_box};
+use crate::{Result, operators::relative_height};
+
+/// What the squared length of an edge costs, relative to a squared distance from the surface: edges stay about equally long.
+const EVENNESS: f64 = 1e-2;
+
+/// How strongly a vertex that the planes around it leave free is drawn to the middle of its edge, relative to them.
+const TO_MIDDLE: f64 = 1e-6;
+
+/// The smallest product of the unit normals of a triangle before and after.
+const MIN_FACING: f64 = 0.2;
+
+/// Triangles do not become flatter than this relative height.
+const MIN_RELATIVE_HEIGHT: f64 = 0.05;
+
+/// `surface` with about `vertices` vertices, by collapses of edges [Garland and Heckbert 1997].
+///
+/// An edge becomes the point of least squared distance to the planes around it, weighted by area; planes across a boundary hold that.
+/// The edge that costs least goes first. A collapse neither turns a triangle round nor changes the topology: what is closed stays
+/// closed, and components stay apart. Edges at which more than two triangles meet stay, so that more vertices than asked for may
+/// remain.
+///
+/// Departure: the length of an edge counts as well, so that triangles of flat parts do not grow without limit.
+///
+/// # Errors
+///
+/// Those of [`Surface::from_triangles`].
+pub fn simplify(surface: &Surface, vertices: usize) -> Result<Surface> {
+    let (low, high) = bounding_box(&surface.positions);
+    let (centre, diagonal) = (nalgebra::center(&low, &high), (high - low).norm());
+    if surface.vertex_count() <= vertices || diagonal <= 0.0 || !diagonal.is_finite() {
+        return Surface::from_triangles(surface.positions.clone(), surface.triangles.clone());
+    }
+    let unit = surface.positions.iter().map(|p| Point3::from((p - centre) / diagonal)).collect();
+    let mut mesh = Collapsing::new(unit, surface.triangles.clone());
+    let mut queue = BinaryHeap::new();
+    let edges: BTreeSet<[u32; 2]> = surface.triangles.iter().flat_map(sides).collect();
+    edges.into_iter().for_each(|edge| queue.extend(mesh.candidate(edge).map(Reverse)));
+    let mut left = surface.vertex_count();
+    while left > vertices
+        && let Some(Reverse(candidate)) = queue.pop()
+    {
+        if !mesh.is_current(&candidate) || !mesh.allows(&candidate) {
+            continue;
+        }
+        let kept = mesh.collapse(&candidate);
+        left -= 1;
+        for other in mesh.neighbours(kept) {
+            queue.extend(mesh.candidate([kept.min(other), kept.max(other)]).map(Reverse));
+        }
+    }
+    let positions = mesh.positions.iter().map(|p| centre + p.coords * diagonal).collect();
+    Surface::from_triangles(positions, mesh.triangles.into_iter().flatten().collect())
+}
+
+/// The sides of a triangle, smaller vertex first.
+fn sides(&[a, b, c]: &[u32; 3]) -> [[u32; 2]; 3] {
+    [[a, b], [b, c], [c, a]].map(|[a, b]| [a.min(b), a.max(b)])
+}
+
+/// The sum of squared distances to planes, each with a weight: pᵀ A p + 2 bᵀ p + c.
+#[derive(Clone, Copy, Debug, Default)]
+struct Quadric {
+    a: Matrix3<f64>,
+    b: Vector3<f64>,
+    c: f64,
+    /// The sum of the weights.
+    weight: f64,
+}
+
+impl Quadric {
+    /// That of the plane through `point` across the unit vector `normal`.
+    fn plane(point: &Point3<f64>, normal: &Vector3<f64>, weight: f64) -> Self {
+        let offset = -normal.dot(&point.coords);
+        let (a, b, c) = (normal * normal.transpose() * weight, normal * (offset * weight), offset * offset * weight);
+        Self { a, b, c, weight }
+    }
+
+    fn add(&mut self, other: &Self) {
+        self.a += other.a;
+        self.b += other.b;
+        self.c += other.c;
+        self.weight += other.weight;
+    }
+
+    fn at(&self, p: &Point3<f64>) -> f64 {
+        (p.coords.dot(&(self.a * p.coords + 2.0 * self.b)) + self.c).max(0.0)
+    }
+
+    /// Where it is least, near `middle` in directions that make no difference.
+    fn least(&self, middle: &Point3<f64>) -> Point3<f64> {
+        let pull = TO_MIDDLE * self.weight;
+        let inverse = (self.a + Matrix3::identity() * pull).try_inverse();
+        inverse.map_or(*middle, |inverse| Point3::from(inverse * (middle.coords * pull - self.b)))
+    }
+}
+
+/// An edge that may become a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Candidate {
+    cost: f64,
+    edge: [u32; 2],
+    /// How often each end had changed when the cost was taken.
+    changes: [u32; 2],
+    place: Point3<f64>,
+}
+
+impl Eq for Candidate {}
+
+impl PartialOrd for Candidate {
+    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Candidate {
+    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
+        self.cost.total_cmp(&other.cost).then(self.edge.cmp(&other.edge)).then(self.changes.cmp(&other.changes))
+    }
+}
+
+/// A mesh whose edges collapse.
+struct Collapsing {
+    positions: Vec<Point3<f64>>,
+    /// `None` once collapsed.
+    triangles: Vec<Option<[u32; 3]>>,
+    around: Vec<Vec<u32>>,
+    quadrics: Vec<Quadric>,
+    changes: Vec<u32>,
+    is_boundary: Vec<bool>,
+    /// Vertices that stay as they are.
+    is_locked: Vec<bool>,
+}
+
+impl Collapsing {
+    fn new(positions: Vec<Point3<f64>>, triangles: Vec<[u32; 3]>) -> Self {
+        let n = positions.len();
+        let mut mesh = Self {
+            around: vec![vec![]; n],
+            quadrics: vec![Quadric::default(); n],
+            changes: vec![0; n],
+            is_boundary: vec![false; n],
+            is_locked: vec![false; n],
+            triangles: vec![],
+            positions,
+        };
+        let mut on_side: HashMap<[u32; 2], (u32, usize)> = HashMap::new();
+        for (t, corners) in (0u32..).zip(&triangles) {
+            let own = mesh.plane(corners);
+            let repeats = corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0];
+            for &v in corners {
+                mesh.around[v as usize].push(t);
+                mesh.quadrics[v as usize].add(&own);
+                mesh.is_locked[v as usize] |= repeats;
+            }
+            sides(corners).into_iter().for_each(|side| on_side.entry(side).or_insert((t, 0)).1 += 1);
+        }
+        // In the order of the sides, so that sums are the same each time.
+        let mut on_side: Vec<_> = on_side.into_iter().collect();
+        on_side.sort_unstable();
+        for (side, (t, count)) in on_side {
+            let across = mesh.across(side, &triangles[t as usize]);
+            for v in side.map(|v| v as usize) {
+                mesh.is_locked[v] |= count > 2;
+                if count == 1 {
+                    mesh.is_boundary[v] = true;
+                    mesh.quadrics[v].add(&across);
+                }
+            }
+        }
+        mesh.triangles = triangles.into_iter().map(Some).collect();
+        mesh
+    }
+
+    fn corners(&self, triangle: &[u32; 3]) -> [Point3<f64>; 3] {
+        triangle.map(|v| self.positions[v as usize])
+    }
+
+    /// The plane of a triangle, weighted by its area.
+    fn plane(&self, triangle: &[u32; 3]) -> Quadric {
+        let corners = self.corners(triangle);
+        let normal = area_normal(&corners);
+        normal.try_normalize(0.0).map_or_else(Quadric::default, |unit| Quadric::plane(&corners[0], &unit, normal.norm() / 2.0))
+    }
+
+    /// The plane through a side of a triangle across it, weighted by the squared length.
+    fn across(&self, side: [u32; 2], triangle: &[u32; 3]) -> Quadric {
+        let [from, to] = side.map(|v| self.positions[v as usize]);
+        let normal = (to - from).cross(&area_normal(&self.corners(triangle)));
+        let weight = (to - from).norm_squared();
+        normal.try_normalize(0.0).map_or_else(Quadric::default, |unit| Quadric::plane(&from, &unit, weight))
+    }
+
+    /// What it costs that `edge` becomes a point; `None` if it is to stay.
+    fn candidate(&self, edge: [u32; 2]) -> Option<Candidate> {
+        let [a, b] = edge.map(|v| v as usize);
+        if a == b || self.is_locked[a] || self.is_locked[b] {
+            return None;
+        }
+        let mut sum = self.quadrics[a];
+        sum.add(&self.quadrics[b]);
+        let middle = match (self.is_boundary[a], self.is_boundary[b]) {
+            (true, false) => self.positions[a],
+            (false, true) => self.positions[b],
+            _ => nalgebra::center(&self.positions[a], &self.positions[b]),
+        };
+        let place = sum.least(&middle);
+        let length = (self.positions[b] - self.positions[a]).norm_squared();
+        let cost = sum.at(&place) + EVENNESS * sum.weight * length;
+        let changes = [self.changes[a], self.changes[b]];
+        (cost.is_finite() && (place - middle).norm_squared() <= length).then_some(Candidate { cost, edge, changes, place })
+    }
+
+    fn is_current(&self, candidate: &Candidate) -> bool {
+        candidate.edge.map(|v| self.changes[v as usize]) == candidate.changes
+    }
+
+    /// The vertices beside `v`, ascending.
+    fn neighbours(&self, v: u32) -> BTreeSet<u32> {
+        let corners = self.around[v as usize].iter().filter_map(|&t| self.triangles[t as usize]).flatten();
+        corners.filter(|&other| other != v).collect()
+    }
+
+    /// Whether the collapse keeps topology and triangles sound.
+    fn allows(&self, candidate: &Candidate) -> bool {
+        let [a, b] = candidate.edge;
+        let at = |v: u32| self.around[v as usize].iter().filter_map(|&t| self.triangles[t as usize]);
+        let shared = at(a).filter(|t| t.contains(&b)).count();
+        let expected = if self.is_boundary[a as usize] && self.is_boundary[b as usize] { 1 } else { 2 };
+        let common = self.neighbours(a).intersection(&self.neighbours(b)).count();
+        // The link condition [Dey et al. 1999]: else an edge or a tube would be pinched.
+        if shared != expected || common != shared {
+            return false;
+        }
+        let moved = |from: u32, other: u32| {
+            at(from).filter(move |t| !t.contains(&other)).map(move |t| (t, t.map(|v| if v == from { a } else { v })))
+        };
+        let sorted = |mut t: [u32; 3]| {
+            t.sort_unstable();
+            t
+        };
+        let mut all: Vec<_> = moved(a, b).chain(moved(b, a)).map(|(_, t)| sorted(t)).collect();
+        let count = all.len();
+        all.sort_unstable();
+        all.dedup();
+        // Two triangles of the same corners are what is left of a tetrahedron.
+        all.len() == count
+            && count > 0
+            && moved(a, b).chain(moved(b, a)).all(|(before, after)| {
+                let before = self.corners(&before);
+                let after = after.map(|v| if v == a { candidate.place } else { self.positions[v as usize] });
+                is_sound(&before, &after)
+            })
+    }
+
+    /// Makes the edge a point, and returns the vertex that stands for it.
+    fn collapse(&mut self, candidate: &Candidate) -> u32 {
+        let [a, b] = candidate.edge;
+        for t in std::mem::take(&mut self.around[b as usize]) {
+            let Some(corners) = self.triangles[t as usize] else { continue };
+            if corners.contains(&a) {
+                self.triangles[t as usize] = None;
+            } else {
+                self.triangles[t as usize] = Some(corners.map(|v| if v == b { a } else { v }));
+                self.around[a as usize].push(t);
+            }
+        }
+        let mut around = std::mem::take(&mut self.around[a as usize]);
+        around.retain(|&t| self.triangles[t as usize].is_some());
+        self.around[a as usize] = around;
+        let gone = self.quadrics[b as usize];
+        self.quadrics[a as usize].add(&gone);
+        self.is_boundary[a as usize] |= self.is_boundary[b as usize];
+        self.positions[a as usize] = candidate.place;
+        self.changes[a as usize] += 1;
+        self.changes[b as usize] += 1;
+        a
+    }
+}
+
+/// Whether a triangle faces about the same way as before and is no needle, or at least no worse one.
+fn is_sound(before: &[Point3<f64>; 3], after: &[Point3<f64>; 3]) -> bool {
+    let [old, new] = [before, after].map(area_normal);
+    let faces = old.dot(&new) >= MIN_FACING * old.norm() * new.norm() && new.norm() > 0.0;
+    let height = relative_height(after);
+    faces && (height >= MIN_RELATIVE_HEIGHT || height >= relative_height(before))
+}
+
+fn area_normal([a, b, c]: &[Point3<f64>; 3]) -> Vector3<f64> {
+    (b - a).cross(&(c - a))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{mesh::check_finite, spatial::ClosestPoint, testkit::meshes};
+
+    /// The farthest that a vertex of `from` lies from `to`.
+    fn farthest(from: &Surface, to: &Surface) -> f64 {
+        let search = ClosestPoint::new(&to.positions, &to.triangles).unwrap();
+        let distance = |p| search.find(p, f64::INFINITY, |_| true).unwrap().distance;
+        from.positions.iter().map(distance).fold(0.0, f64::max)
+    }
+
+    fn volume(surface: &Surface) -> f64 {
+        let six = |t: &[u32; 3]| {
+            let [p, q, r] = t.map(|v| surface.positions[v as usize].coords);
+            p.cross(&q).dot(&r)
+        };
+        surface.triangles.iter().map(six).sum::<f64>() / 6.0
+    }
+
+    #[test]
+    fn a_sphere_stays_closed_whole_and_round() {
+        let sphere = meshes::icosphere(4);
+        for count in [1000, 300, 60] {
+            let few = simplify(&sphere, count).unwrap();
+            assert_eq!(few.vertex_count(), count);
+            // Euler: a closed surface without handles has 2 V − 4 triangles.
+            assert_eq!(few.triangle_count(), 2 * count - 4);
+            assert!(few.topology().boundary.is_empty() && few.components().count() == 1);
+            // A regular mesh of n vertices has edges of √(8π/√3 n); over a chord of length e the sphere rises e²/8. Edges are up to twice that.
+            let rise = 8.0 * std::f64::consts::PI / (3f64.sqrt() * count as f64) / 8.0;
+            assert!(farthest(&sphere, &few) < 3.0 * rise, "{count}: {}", farthest(&sphere, &few));
+            // Nothing is turned round: each triangle faces away from the centre, and so the volume is that of the sphere.
+            let outwards = few.area_normals(&few.positions).iter().zip(&few.triangles).all(|(n, t)| {
+                n.dot(&few.positions[t[0] as usize].coords) > 0.0
+            });
+            assert!(outwards && (volume(&few) / volume(&sphere) - 1.0).abs() < 4.0 * rise, "{count}");
+        }
+    }
+
+    #[test]
+    fn flat_faces_and_straight_borders_stay() {
+        let bar = meshes::bar([12, 6, 5], [3.0, 1.0, 0.8]);
+        let few = simplify(&bar, 30).unwrap();
+        // Corners move by the pull to the middle, a millionth.
+        assert!(farthest(&bar, &few) < 1e-4 && farthest(&few, &bar) < 1e-4, "{}", farthest(&bar, &few));
+        let grid = meshes::grid(20, 20);
+        let few = simplify(&grid, 40).unwrap();
+        let area = |s: &Surface| s.area_normals(&s.positions).iter().map(|n| n.norm()).sum::<f64>();
+        assert!((area(&few) / area(&grid) - 1.0).abs() < 1e-4, "the square keeps its four sides");
+    }
+
+    #[test]
+    fn components_and_defects_stay_and_nothing_breaks() {
+        let two = meshes::two_components();
+        let few = simplify(&two, 20).unwrap();
+        assert_eq!((few.components().count(), few.topology().boundary.len()), (2, 0));
+        let most = simplify(&two, 1).unwrap();
+        assert_eq!(most.components().count(), 2);
+        // The least closed surface is a tetrahedron.
+        assert!(most.vertex_count() >= 8, "{}", most.vertex_count());
+        // Three triangles at an edge, one with a repeated corner, one without area.
+        let positions = (0..30).map(|k| Point3::new(f64::from(k % 5), f64::from(k / 5), f64::from(k % 3))).collect();
+        let mut triangles: Vec<[u32; 3]> = (0..24).map(|k| [k, k + 1, k + 5]).collect();
+        triangles.extend([[0, 1, 7], [0, 1, 9], [2, 2, 3], [1, 2, 3]]);
+        let odd = Surface::from_triangles(positions, triangles).unwrap();
+        let few = simplify(&odd, 5).unwrap();
+        check_finite(&few.positions).unwrap();
+    }
+
+    #[test]
+    fn a_mesh_that_is_small_enough_stays_as_it_is() {
+        let sphere = meshes::icosphere(1);
+        let same = simplify(&sphere, 42).unwrap();
+        assert_eq!((same.positions, same.triangles), (sphere.positions, sphere.triangles));
+    }
+}
