@@ -58,6 +58,11 @@ impl Cloud {
             points,
         })
     }
+
+    /// Whether the points lie on more than one component.
+    pub fn is_parted(&self) -> bool {
+        self.components.iter().any(|component| *component != self.components[0])
+    }
 }
 
 /// The volume under the triangles of `surface`, seen from the mean of its vertices, so that no digits are lost far from the origin.

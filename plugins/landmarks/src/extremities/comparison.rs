@@ -3,7 +3,7 @@
 use mimesh_core::{
     Result,
     mesh::{Surface, SurfacePoint, simplify},
-    operators::{vertex_normals, voronoi_mass},
+    operators::voronoi_mass,
     plugin::instance,
     spatial::ClosestPoint,
     stage::{Correspondence, Marker, Proximity, ProximityGraph, TransferPair, TriangleMap},
@@ -13,6 +13,9 @@ use rayon::prelude::*;
 
 /// A vertex that returns this near to where it started, in diagonals, returns.
 const RETURNED: f64 = 0.02;
+
+/// What returns this near to where it started, in diagonals, is the same point.
+const AGREED: f64 = 0.005;
 
 /// What lies this near to a landmark, in diagonals, says how good it is.
 const AROUND: f64 = 0.1;
@@ -28,7 +31,6 @@ struct Side {
     surface: Surface,
     diagonal: f64,
     search: ClosestPoint,
-    normals: Vec<Vector3<f64>>,
     /// The area that each vertex stands for.
     mass: Vec<f64>,
     links: Option<ProximityGraph>,
@@ -41,6 +43,8 @@ pub struct Comparison {
     pub returned: [f64; 2],
     /// For each landmark the share of the area around it that returns, on the worse side.
     pub around: Vec<f64>,
+    /// Places on source and target that both fits take to each other, the closest agreement first.
+    pub agreed: Vec<[Point3<f64>; 2]>,
 }
 
 impl Comparison {
@@ -91,7 +95,8 @@ impl<'a> Proxies<'a> {
         let around = (0..markers.len())
             .map(|k| source.share(&apart[0], Some(&at_source[k])).min(target.share(&apart[1], Some(&at_target[k]))));
         let around = around.collect();
-        Ok(Comparison { returned: [source.share(&apart[0], None), target.share(&apart[1], None)], around })
+        let agreed = agreed(source, target, &to_source, &apart[1]);
+        Ok(Comparison { returned: [source.share(&apart[0], None), target.share(&apart[1], None)], around, agreed })
     }
 
     fn map(&self, source: &Side, target: &Side, markers: &[Marker]) -> Result<TriangleMap> {
@@ -108,7 +113,6 @@ impl Side {
             links: proximity.map(|proximity| proximity.proximity(&surface)).transpose()?,
             diagonal: surface.diagonal(),
             search: ClosestPoint::new(&surface.positions, &surface.triangles)?,
-            normals: vertex_normals(&surface.positions, &surface.triangles),
             mass: voronoi_mass(&surface.positions, &surface.triangles),
             surface,
         })
@@ -129,6 +133,17 @@ impl Side {
         });
         if all > 0.0 { returned / all } else { 0.0 }
     }
+}
+
+/// The places of the vertices of the target that return best, and where the fit takes them on the source.
+fn agreed(source: &Side, target: &Side, to_source: &TriangleMap, apart: &[f64]) -> Vec<[Point3<f64>; 2]> {
+    let mut order: Vec<usize> = (0..apart.len()).filter(|&v| apart[v] <= AGREED * target.diagonal).collect();
+    order.sort_by(|&a, &b| apart[a].total_cmp(&apart[b]).then(a.cmp(&b)));
+    let place = |v: usize| {
+        let point = to_source.points[v].as_ref()?;
+        Some([point.position(&source.surface, &source.surface.positions), target.surface.positions[v]])
+    };
+    order.into_iter().filter_map(place).collect()
 }
 
 /// For each vertex of `from` how far it comes back from where it started, when `there` takes it to `to` and `back` from there; infinite

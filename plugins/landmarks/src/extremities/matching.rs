@@ -80,6 +80,11 @@ pub struct LimbPair {
 }
 
 impl Match {
+    /// Shapes that lie alike in `frames`, `overlap` apart, whatever limbs they have.
+    pub fn alike(frames: Frames, overlap: f64) -> Self {
+        Self { frames, pairs: vec![], place: 0.0, distance: 0.0, overlap, unpaired: 0 }
+    }
+
     /// How badly the shapes fit; 0 is perfect.
     pub fn score(&self) -> f64 {
         self.place + self.distance + self.overlap + UNPAIRED * self.unpaired as f64
@@ -148,9 +153,7 @@ fn match_under(source: &Shape, target: &Shape, frames: Frames, limits: Limits) -
         return None;
     }
     let count = pairs.len() as f64;
-    let normals = |turn: &Matrix3<f64>, shape: &Shape| shape.cloud.normals.iter().map(|n| turn * n).collect::<Vec<_>>();
-    let x = with_normals(&a, &normals(&frames.source, source));
-    let y = with_normals(&b, &normals(&frames.target, target));
+    let (x, y) = with_normals(source, target, &frames);
     Some(Match {
         frames,
         place: pairs.iter().map(|&(i, j)| cost(i, j)).sum::<f64>() / count,
@@ -178,18 +181,29 @@ fn misfits(source: &Shape, target: &Shape, pairs: &[(usize, usize)]) -> Vec<f64>
     pairs.iter().map(|&p| pairs.iter().map(|&q| difference(p, q)).sum::<f64>() / pairs.len() as f64).collect()
 }
 
-/// Places and normals as one vector.
-fn with_normals(places: &[Vector3<f64>], normals: &[Vector3<f64>]) -> Vec<Vector6<f64>> {
-    let joined = |(p, n): (&Vector3<f64>, &Vector3<f64>)| {
-        let n = n * NORMALS;
-        Vector6::new(p.x, p.y, p.z, n.x, n.y, n.z)
+/// Places in the common box and normals of both shapes, a vector a point.
+pub fn with_normals(source: &Shape, target: &Shape, frames: &Frames) -> (Vec<Vector6<f64>>, Vec<Vector6<f64>>) {
+    let joined = |places: Vec<Vector3<f64>>, turn: &Matrix3<f64>, shape: &Shape| {
+        let normals = shape.cloud.normals.iter().map(|n| turn * n * NORMALS);
+        places.into_iter().zip(normals).map(|(p, n)| Vector6::new(p.x, p.y, p.z, n.x, n.y, n.z)).collect()
     };
-    places.iter().zip(normals).map(joined).collect()
+    (
+        joined(in_box(&frames.source(source), 0.0), &frames.source, source),
+        joined(in_box(&frames.target(target), 0.0), &frames.target, target),
+    )
+}
+
+/// For each of `from` the nearest of `to`, the first of equals, and its distance.
+pub fn distances(from: &[Vector6<f64>], to: &[Vector6<f64>]) -> Vec<(usize, f64)> {
+    let of = |p: &Vector6<f64>| {
+        let all = to.iter().map(|q| (p - q).norm_squared()).enumerate();
+        all.fold((0, f64::INFINITY), |best, next| if next.1 < best.1 { next } else { best })
+    };
+    from.par_iter().map(of).map(|(k, squared)| (k, squared.sqrt())).collect()
 }
 
 /// The mean distance of points of `from` to the nearest of `to`.
 fn mean_to_nearest(from: &[Vector6<f64>], to: &[Vector6<f64>]) -> f64 {
-    let nearest = |p: &Vector6<f64>| to.iter().map(|q| (p - q).norm_squared()).fold(f64::INFINITY, f64::min).sqrt();
-    let distances: Vec<f64> = from.iter().step_by(STRIDE).map(nearest).collect();
-    distances.iter().sum::<f64>() / distances.len() as f64
+    let some: Vec<_> = from.iter().step_by(STRIDE).copied().collect();
+    distances(&some, to).iter().map(|(_, distance)| distance).sum::<f64>() / some.len() as f64
 }

@@ -9,12 +9,15 @@
 //! About one second a mesh, whatever its density. Prefer clicks where shapes have no limbs, as faces, or other ones.
 
 mod assignment;
+mod between;
 mod cloud;
 mod comparison;
 mod limbs;
 mod links;
 mod matching;
+mod place;
 mod proposal;
+mod reading;
 mod shape;
 mod tips;
 mod turn;
@@ -30,12 +33,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::json;
 
 pub use self::matching::Limits;
-use self::{
-    comparison::Proxies,
-    matching::matches,
-    proposal::{proposal, readings},
-    shape::Shape,
-};
+use self::{comparison::Proxies, matching::matches, place::alike, proposal::proposal, reading::Reader, shape::Shape};
 
 register!(Landmarks: Extremities);
 
@@ -60,6 +58,8 @@ pub struct Extremities {
     /// The largest distance of a pair of points, in sides of the box of its limb.
     #[schemars(range(min = 0.0))]
     pub max_distance: f64,
+    /// Most points between limbs, where the fits of two shapes agree nearly everywhere.
+    pub points_between: usize,
     /// The correspondence whose fits are compared; by default `nonrigid_fit`.
     pub fit: Option<Box<dyn Correspondence>>,
     /// How many vertices each surface has where fits are compared; fewer triangles stand for those of the file.
@@ -76,7 +76,8 @@ impl Default for Extremities {
             limits: Limits::default(),
             points_per_limb: 2,
             max_distance: 0.25,
-            fit: configured(json!({ "type": "nonrigid_fit" })),
+            points_between: 12,
+            fit: configured(json!({ "type": "nonrigid_fit", "steps": 20 })),
             fit_vertices: 2000,
         }
     }
@@ -84,6 +85,9 @@ impl Default for Extremities {
 
 /// Fewer limbs, or fewer pairs of points, say too little of how two shapes correspond.
 const MIN_COUNT: usize = 4;
+
+/// Shapes without limbs are taken to lie alike where fits agree at least so far.
+const MIN_ALIKE: f64 = 0.75;
 
 /// Volumes that are smaller, relative to the area to the power 3/2, tell nothing of which side is out.
 const MIN_VOLUME: f64 = 1e-3;
@@ -94,25 +98,30 @@ impl Landmarks for Extremities {
         check_ranges(self)?;
         pair.check_markers()?;
         let sampler = nested("sampler", &self.sampler, "poisson_disk")?;
-        let shape = |side, surface| -> Result<Shape> {
-            let shape = Shape::new(surface, sampler, self.sources, self.min_limb)?;
-            check_limbs(side, &shape)?;
-            Ok(shape)
-        };
-        let (source, target) = (shape("source", pair.source)?, shape("target", pair.target)?);
+        let shape = |surface| Shape::new(surface, sampler, self.sources, self.min_limb);
+        let (source, target) = (shape(pair.source)?, shape(pair.target)?);
         check_sides(&source, &target)?;
+        let fit = nested("fit", &self.fit, "nonrigid_fit")?;
+        let proxies = Proxies::new(pair, self.fit_vertices, fit)?;
+        let reader = Reader { settings: self, pair, source: &source, target: &target, proxies: &proxies };
+        let given = pair.markers.len();
         let mut matches = matches(&source, &target, self.limits);
         matches.retain(|found| found.pairs.len() >= MIN_COUNT);
-        let proxies = Proxies::new(pair, self.fit_vertices, nested("fit", &self.fit, "nonrigid_fit")?)?;
-        let readings = readings(self, pair, [&source, &target], &matches, &proxies);
-        let found = readings.first().map_or(0, |reading| reading.found(pair));
-        if found < MIN_COUNT {
-            return Err(Error::data(
-                format!("only {found} points of the source were found on the target: expected at least {MIN_COUNT}"),
-                "are both meshes of one kind, in similar poses? If so, give markers by hand: these two share too few limbs",
-            ));
+        let readings = reader.readings(&matches)?;
+        if readings.first().is_some_and(|best| best.pairs.len() >= given + MIN_COUNT) {
+            return Ok(proposal(&source, &target, &matches, readings, given));
         }
-        Ok(proposal([&source, &target], &matches, readings))
+        let alike = alike(&source, &target);
+        let readings = reader.readings(&alike)?;
+        if readings.first().is_some_and(|best| best.pairs.len() >= given + MIN_COUNT && best.agreement() >= MIN_ALIKE) {
+            return Ok(proposal(&source, &target, &alike, readings, given));
+        }
+        check_limbs("source", &source)?;
+        check_limbs("target", &target)?;
+        Err(Error::data(
+            format!("fewer than {MIN_COUNT} points of the source were found on the target"),
+            "are both meshes of one kind, in similar poses? If so, give markers by hand: these two share too few limbs",
+        ))
     }
 }
 

@@ -54,7 +54,9 @@ pub fn tips(
 ) -> Vec<Tip> {
     let own = [&source.limbs[pair.source].outer, &target.limbs[pair.target].outer];
     if own.iter().any(|points| points.len() < MIN_POINTS) {
-        return vec![];
+        let tip = Tip { source: source.limbs[pair.source].tip, target: target.limbs[pair.target].tip, distance: 0.0 };
+        // On one surface a thin limb follows what it grows from, better than its tips are known. Loose pieces follow nothing.
+        return if target.cloud.is_parted() { vec![tip] } else { vec![] };
     }
     let a = Outer::new(source, own[0], &frames.source);
     let b = Outer::new(target, own[1], &frames.target);
