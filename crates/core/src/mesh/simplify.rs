@@ -189,7 +189,9 @@ impl Collapsing {
     fn plane(&self, triangle: &[u32; 3]) -> Quadric {
         let corners = self.corners(triangle);
         let normal = area_normal(&corners);
-        normal.try_normalize(0.0).map_or_else(Quadric::default, |unit| Quadric::plane(&corners[0], &unit, normal.norm() / 2.0))
+        normal
+            .try_normalize(0.0)
+            .map_or_else(Quadric::default, |unit| Quadric::plane(&corners[0], &unit, normal.norm() / 2.0))
     }
 
     /// The plane through a side of a triangle across it, weighted by the squared length.
@@ -217,7 +219,12 @@ impl Collapsing {
         let length = (self.positions[b] - self.positions[a]).norm_squared();
         let cost = sum.at(&place) + EVENNESS * sum.weight * length;
         let changes = [self.changes[a], self.changes[b]];
-        (cost.is_finite() && (place - middle).norm_squared() <= length).then_some(Candidate { cost, edge, changes, place })
+        (cost.is_finite() && (place - middle).norm_squared() <= length).then_some(Candidate {
+            cost,
+            edge,
+            changes,
+            place,
+        })
     }
 
     fn is_current(&self, candidate: &Candidate) -> bool {
@@ -332,9 +339,11 @@ mod tests {
             let rise = 8.0 * std::f64::consts::PI / (3f64.sqrt() * count as f64) / 8.0;
             assert!(farthest(&sphere, &few) < 3.0 * rise, "{count}: {}", farthest(&sphere, &few));
             // Nothing is turned round: each triangle faces away from the centre, and so the volume is that of the sphere.
-            let outwards = few.area_normals(&few.positions).iter().zip(&few.triangles).all(|(n, t)| {
-                n.dot(&few.positions[t[0] as usize].coords) > 0.0
-            });
+            let outwards = few
+                .area_normals(&few.positions)
+                .iter()
+                .zip(&few.triangles)
+                .all(|(n, t)| n.dot(&few.positions[t[0] as usize].coords) > 0.0);
             assert!(outwards && (volume(&few) / volume(&sphere) - 1.0).abs() < 4.0 * rise, "{count}");
         }
     }

@@ -26,6 +26,9 @@ const UNPAIRED: f64 = 0.05;
 /// Two shapes that are turned against each other by less than this, in degrees, beside quarter turns, stand alike.
 const MIN_ANGLE: f64 = 12.0;
 
+/// How much worse a match in the axes of the files may be than one of the same limbs in other frames.
+const OWN_AXES: f64 = 0.1;
+
 /// So many of the best matches are looked at for a turn that is no quarter turn.
 const REFINED: usize = 3;
 
@@ -109,17 +112,26 @@ pub fn matches(source: &Shape, target: &Shape, limits: Limits) -> Vec<Match> {
     let frames: Vec<Frames> = frames.chain(principal).collect();
     let under = |frames: &Frames| match_under(source, target, *frames, limits);
     let mut all: Vec<Match> = frames.par_iter().filter_map(under).collect();
+    let by_score = |a: &Match, b: &Match| a.score().total_cmp(&b.score());
     // The sort is stable: of equal ones the least turned comes first.
-    all.sort_by(|a, b| a.score().total_cmp(&b.score()));
+    all.sort_by(by_score);
     let turned: Vec<Frames> = all.iter().take(REFINED).filter_map(|found| fitted(source, target, found)).collect();
     all.extend(turned.par_iter().filter_map(under).collect::<Vec<_>>());
-    all.sort_by(|a, b| a.score().total_cmp(&b.score()));
+    all.sort_by(by_score);
     let mut distinct: Vec<Match> = Vec::new();
     for found in all {
-        if distinct.iter().all(|other| !found.pairs_as(other)) {
-            distinct.push(found);
+        match distinct.iter_mut().find(|other| found.pairs_as(other)) {
+            None => distinct.push(found),
+            // Where the axes of the files do, limbs lie in them as in others of their kind.
+            Some(other)
+                if found.frames.are_axes() && !other.frames.are_axes() && found.score() < other.score() + OWN_AXES =>
+            {
+                *other = found;
+            }
+            Some(_) => {}
         }
     }
+    distinct.sort_by(by_score);
     distinct
 }
 

@@ -23,6 +23,11 @@ impl Frames {
         self.target.transpose() * self.source
     }
 
+    /// Whether both shapes keep the axes of their files, but for quarter turns.
+    pub fn are_axes(&self) -> bool {
+        self.source.iter().chain(&self.target).all(|x| x.fract() == 0.0)
+    }
+
     /// The places of the source, turned.
     pub fn source(&self, shape: &Shape) -> Vec<Point3<f64>> {
         shape.cloud.places.iter().map(|p| self.source * p).collect()
