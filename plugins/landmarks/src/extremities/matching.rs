@@ -26,8 +26,8 @@ const UNPAIRED: f64 = 0.05;
 /// Two shapes that are turned against each other by less than this, in degrees, beside quarter turns, stand alike.
 const MIN_ANGLE: f64 = 12.0;
 
-/// How much worse a match in the axes of the files may be than one of the same limbs in other frames.
-const OWN_AXES: f64 = 0.1;
+/// How much worse a match in the axes of the source may be than one of the same limbs in other frames.
+const OWN_AXES: f64 = 0.15;
 
 /// So many of the best matches are looked at for a turn that is no quarter turn.
 const REFINED: usize = 3;
@@ -93,10 +93,10 @@ impl Match {
         self.place + self.distance + self.overlap + UNPAIRED * self.unpaired as f64
     }
 
-    /// Whether the same limbs are paired.
-    fn pairs_as(&self, other: &Self) -> bool {
-        self.pairs.len() == other.pairs.len()
-            && self.pairs.iter().zip(&other.pairs).all(|(a, b)| (a.source, a.target) == (b.source, b.target))
+    /// Whether one of two matches has all pairs of the other.
+    fn agrees_with(&self, other: &Self) -> bool {
+        let same = |a: &LimbPair| other.pairs.iter().any(|b| (a.source, a.target) == (b.source, b.target));
+        self.pairs.iter().filter(|pair| same(pair)).count() == self.pairs.len().min(other.pairs.len())
     }
 }
 
@@ -120,11 +120,13 @@ pub fn matches(source: &Shape, target: &Shape, limits: Limits) -> Vec<Match> {
     all.sort_by(by_score);
     let mut distinct: Vec<Match> = Vec::new();
     for found in all {
-        match distinct.iter_mut().find(|other| found.pairs_as(other)) {
+        match distinct.iter_mut().find(|other| found.agrees_with(other)) {
             None => distinct.push(found),
-            // Where the axes of the files do, limbs lie in them as in others of their kind.
+            // Boxes along the axes of a file show best where limbs lie, as kinds of shapes share these.
             Some(other)
-                if found.frames.are_axes() && !other.frames.are_axes() && found.score() < other.score() + OWN_AXES =>
+                if found.frames.keep_axes()
+                    && !other.frames.keep_axes()
+                    && found.score() < other.score() + OWN_AXES =>
             {
                 *other = found;
             }

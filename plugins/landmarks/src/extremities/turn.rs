@@ -23,9 +23,9 @@ impl Frames {
         self.target.transpose() * self.source
     }
 
-    /// Whether both shapes keep the axes of their files, but for quarter turns.
-    pub fn are_axes(&self) -> bool {
-        self.source.iter().chain(&self.target).all(|x| x.fract() == 0.0)
+    /// Whether the source keeps the axes of its file, but for quarter turns.
+    pub fn keep_axes(&self) -> bool {
+        self.source.iter().all(|x| x.fract() == 0.0)
     }
 
     /// The places of the source, turned.
