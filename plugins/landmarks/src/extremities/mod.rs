@@ -67,7 +67,7 @@ pub struct Extremities {
     /// The largest distance of a pair of points, in sides of the box of its limb.
     #[schemars(range(min = 0.0))]
     pub max_distance: f64,
-    /// Most points between limbs, where the fits of two shapes agree nearly everywhere.
+    /// Most points between limbs, where the fits of two shapes agree nearly everywhere and the target is one component.
     pub points_between: usize,
     /// The correspondence whose fits are compared; by default `nonrigid_fit`.
     pub fit: Option<Box<dyn Correspondence>>,

@@ -138,7 +138,8 @@ impl<'a> Reader<'a> {
         }
         if !reading.found.pairs.is_empty() {
             let Some(comparison) = &mut reading.comparison else { return Ok(()) };
-            let most = self.settings.points_between;
+            // A marker holds a small part as a whole, which a fit of few triangles does not know well enough.
+            let most = if self.target.cloud.is_parted() { 0 } else { self.settings.points_between };
             let more = between(self.pair, &comparison.agreed, &markers(&reading.pairs), most, "between-")?;
             comparison.around.extend(more.iter().map(|_| comparison.returned[0].min(comparison.returned[1])));
             reading.pairs.extend(more.into_iter().map(proposed));
