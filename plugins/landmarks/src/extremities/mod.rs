@@ -13,7 +13,7 @@
 //! Shapes without limbs, as faces, are laid into one box. Points at the same place start a fit, and are then replaced by points that
 //! fits agree on. They are refused where fits do not agree.
 //!
-//! About one second of computing a mesh, whatever its density, and one to three for the fits. Prefer clicks where shapes differ in kind.
+//! About one second of computing a mesh, whatever its density, and one to four for the fits. Prefer clicks where shapes differ in kind.
 
 mod assignment;
 mod between;
