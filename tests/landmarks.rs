@@ -426,3 +426,31 @@ fn proposed_pairs_are_written_corrected_and_taken_up_again() {
         unknown.stderr
     );
 }
+
+/// With clicks at one end alone, the next one belongs elsewhere.
+#[test]
+fn the_next_click_is_away_from_the_known_ones() {
+    let project = Project::new();
+    run(&project, "{ type: extremities }");
+    write_clicks(&project, 6);
+    let suggest = |arguments: &[&str]| {
+        let all = [&["markers", "suggest", "--pipeline", "p.yaml"], arguments].concat();
+        let output = project.mimesh(&all);
+        (output.status, output.stdout, output.stderr)
+    };
+    let (status, stdout, stderr) = suggest(&["--clicks", "clicks.yaml", "--json"]);
+    assert_eq!(status, 0, "{stderr}");
+    let point: Value = serde_json::from_str(&stdout).expect("JSON");
+    let place: [f64; 3] = serde_json::from_value(point["source_at"].clone()).expect("a place");
+    let horse = animal(json!({ "resolution": 30 }));
+    let nearest =
+        horse.places[..6].iter().map(|known| (known - Point3::from(place)).norm()).fold(f64::INFINITY, f64::min);
+    // A tenth of the animal is more than a hoof.
+    assert!(nearest > 0.1 * horse.surface.diagonal(), "{nearest} from a known point: {point}");
+    assert!(point["target_at"].is_array() && point["known"] == 6, "{point}");
+
+    let (status, stdout, stderr) = suggest(&[]);
+    assert!(status == 0 && stdout.starts_with("click next, beside "), "{stdout}{stderr}");
+    let (status, _, stderr) = suggest(&["--type", "given", "--clicks", "clicks.yaml"]);
+    assert!(status != 0 && stderr.contains("given suggests no points") && stderr.contains("extremities"), "{stderr}");
+}

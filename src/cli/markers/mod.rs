@@ -4,6 +4,7 @@ mod convert;
 mod mirror;
 mod propose;
 mod reattach;
+mod suggest;
 
 use crate::cli::posed_meshes::read;
 use crate::cli::roots::Roots;
@@ -38,6 +39,7 @@ enum Command {
     Mirror(mirror::Mirror),
     Propose(propose::Propose),
     Reattach(reattach::Reattach),
+    Suggest(suggest::Suggest),
 }
 
 impl Markers {
@@ -48,6 +50,7 @@ impl Markers {
             Command::Mirror(command) => command.run(),
             Command::Propose(command) => command.run(),
             Command::Reattach(command) => command.run(),
+            Command::Suggest(command) => command.run(),
         }
     }
 }

@@ -3,7 +3,7 @@ use std::fmt::Debug;
 use serde::{Deserialize, Serialize};
 
 use super::{Marker, TransferPair};
-use crate::{Figures, Result};
+use crate::{Figures, Result, mesh::SurfacePoint};
 
 /// Proposes corresponding points of two surfaces, so that nobody has to pick them.
 ///
@@ -26,6 +26,16 @@ pub trait Landmarks: Debug + Send + Sync {
     /// [`Error::Setting`](crate::Error::Setting) for settings out of range, [`Error::Data`](crate::Error::Data) for surfaces between
     /// which no pairs are found that can be trusted.
     fn propose(&self, pair: TransferPair<'_>) -> Result<Proposal>;
+
+    /// The place where one more click would help most, where the markers of `pair` are those that are known so far; `None` where the
+    /// stage cannot tell.
+    ///
+    /// # Errors
+    ///
+    /// As [`propose`](Self::propose).
+    fn suggest(&self, _pair: TransferPair<'_>) -> Result<Option<Suggestion>> {
+        Ok(None)
+    }
 
     /// The program that the stage runs, with its arguments; `None` for a stage that computes by itself.
     ///
@@ -56,6 +66,17 @@ pub struct ProposedPair {
     pub marker: Marker,
     /// How sure the pair is, from 0 to 1: it ranks pairs, and is no probability.
     pub confidence: f64,
+}
+
+/// A point that a person should click next.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+pub struct Suggestion {
+    /// The point of the source.
+    pub source: SurfacePoint,
+    /// Where its partner probably is.
+    pub target: Option<SurfacePoint>,
+    /// How far fits from both sides disagree around it, relative to the diagonal of the source.
+    pub doubt: f64,
 }
 
 impl ProposedPair {

@@ -34,7 +34,7 @@ pub use format::{Format, check_pose};
 pub use generator::Generator;
 pub use handles::{HandlePoints, unreached};
 pub use key_points::{ChoiceStep, ChoiceWatch, Chosen, KeyPoints, KeyPointsInput};
-pub use landmarks::{Landmarks, Proposal, ProposedPair};
+pub use landmarks::{Landmarks, Proposal, ProposedPair, Suggestion};
 pub use mesh_writer::{MeshWriter, PoseWriter, SequenceFormat, SequenceWriter, WriteError};
 pub use metric::{BoundMetric, Frame, Measured, Metric, MetricContext, MetricInput, Posed};
 pub use pair::{Marker, TransferPair};

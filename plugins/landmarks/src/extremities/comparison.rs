@@ -27,12 +27,14 @@ pub struct Proxies<'a> {
 }
 
 /// A surface with fewer triangles.
-struct Side {
-    surface: Surface,
-    diagonal: f64,
+pub struct Side {
+    /// The surface.
+    pub surface: Surface,
+    /// The length of the diagonal of its bounding box.
+    pub diagonal: f64,
     search: ClosestPoint,
     /// The area that each vertex stands for.
-    mass: Vec<f64>,
+    pub mass: Vec<f64>,
     links: Option<ProximityGraph>,
 }
 
@@ -43,6 +45,8 @@ pub struct Comparison {
     pub returned: [f64; 2],
     /// For each landmark the share of the area around it that returns, on the worse side.
     pub around: Vec<f64>,
+    /// For each vertex of the source's proxy how far it comes back from where it started, and where the fit takes it on the target.
+    pub source_vertices: Vec<(f64, Option<Point3<f64>>)>,
     /// Places on source and target that both fits take to each other, the closest agreement first.
     pub agreed: Vec<[Point3<f64>; 2]>,
 }
@@ -67,6 +71,11 @@ impl<'a> Proxies<'a> {
             .collect::<Result<_>>()?;
         let sides = sides.try_into().unwrap_or_else(|_| unreachable!("two surfaces, two proxies"));
         Ok(Self { sides, fit })
+    }
+
+    /// The proxy of the source.
+    pub fn source(&self) -> &Side {
+        &self.sides[0]
     }
 
     /// Compares the two fits that `markers` of `pair` lead to.
@@ -96,7 +105,11 @@ impl<'a> Proxies<'a> {
             .map(|k| source.share(&apart[0], Some(&at_source[k])).min(target.share(&apart[1], Some(&at_target[k]))));
         let around = around.collect();
         let agreed = agreed(source, target, &to_source, &apart[1]);
-        Ok(Comparison { returned: [source.share(&apart[0], None), target.share(&apart[1], None)], around, agreed })
+        let returned = [source.share(&apart[0], None), target.share(&apart[1], None)];
+        let [apart, _] = apart;
+        let on_target = |point: &SurfacePoint| point.position(&target.surface, &target.surface.positions);
+        let taken = to_target.points.iter().map(|point| point.as_ref().map(on_target));
+        Ok(Comparison { returned, around, agreed, source_vertices: apart.into_iter().zip(taken).collect() })
     }
 
     fn map(&self, source: &Side, target: &Side, markers: &[Marker]) -> Result<TriangleMap> {

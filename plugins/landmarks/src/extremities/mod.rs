@@ -26,6 +26,7 @@ mod place;
 mod proposal;
 mod reading;
 mod shape;
+mod suggestion;
 mod tips;
 mod turn;
 
@@ -34,14 +35,17 @@ use mimesh_core::{
     mesh::{Surface, SurfacePoint},
     plugin::{check_ranges, configured, nested},
     register,
-    stage::{Correspondence, Landmarks, Marker, Proposal, Sampler, TransferPair},
+    stage::{Correspondence, Landmarks, Marker, Proposal, Sampler, Suggestion, TransferPair},
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
 pub use self::matching::Limits;
-use self::{comparison::Proxies, matching::matches, place::alike, proposal::proposal, reading::Reader, shape::Shape};
+use self::{
+    comparison::Proxies, matching::matches, place::alike, proposal::proposal, reading::Reader, shape::Shape,
+    suggestion::suggest,
+};
 
 register!(Landmarks: Extremities);
 
@@ -122,6 +126,16 @@ impl Landmarks for Extremities {
             return Ok(proposal);
         }
         self.find(pair, shapes)
+    }
+
+    fn suggest(&self, pair: TransferPair<'_>) -> Result<Option<Suggestion>> {
+        check_ranges(self)?;
+        pair.check_markers()?;
+        let fit = nested("fit", &self.fit, "nonrigid_fit")?;
+        let proxies = Proxies::new(pair, self.fit_vertices, fit)?;
+        // Without a fit, as of too few markers, points spread over the surface.
+        let comparison = proxies.compare(pair, pair.markers).ok();
+        suggest(pair, &proxies, comparison.as_ref())
     }
 }
 
