@@ -454,3 +454,14 @@ fn the_next_click_is_away_from_the_known_ones() {
     let (status, _, stderr) = suggest(&["--type", "given", "--clicks", "clicks.yaml"]);
     assert!(status != 0 && stderr.contains("given suggests no points") && stderr.contains("extremities"), "{stderr}");
 }
+
+#[cfg(unix)]
+#[test]
+fn the_example_of_a_program_runs() {
+    let project = Project::new();
+    let example = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/external/external.yaml");
+    let output = project.mimesh(&["run", example, "--allow-commands", "--out", "out", "--json"]);
+    assert!([0, 3].contains(&output.status), "{}", output.stderr);
+    let report: Value = serde_json::from_str(&output.stdout).expect("a report");
+    assert_eq!(report["proposed_markers"].as_array().map(Vec::len), Some(6), "{report}");
+}
