@@ -67,7 +67,9 @@ impl<'a> SavedPipeline<'a> {
         };
         let file = self.file.file;
         let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty());
-        let written = folder.map_or(Ok(()), fs::create_dir_all).and_then(|()| fs::write(file, spelled_out(one, file)));
+        let name = file.file_name().unwrap_or_default().to_string_lossy();
+        let text = format!("# mimesh run {name}\n\n{}", spelled_out(one, file));
+        let written = folder.map_or(Ok(()), fs::create_dir_all).and_then(|()| fs::write(file, text));
         written.map_err(|error| {
             let diagnostic = Diagnostic::new(Kind::CannotWrite, io_message("write", &error));
             diagnostic.at(Location::File(file.into())).hint("choose another folder").into()

@@ -85,6 +85,8 @@ fn expectation(expected: &str, variants: Option<&Variants>) -> String {
         "a string" | "path string" | "string" | "str" | "a borrowed string" => "a string".into(),
         "a boolean" => "true or false".into(),
         "a sequence" => "a sequence".into(),
+        // The words of a reader of ours, for a slot that takes more than stages.
+        _ if expected.starts_with("a path") => expected.into(),
         _ if expected.starts_with("a nonzero") => "a whole number, 1 or more".into(),
         _ => match variants {
             Some(variants) => {

@@ -28,7 +28,7 @@ const MEANINGS: [(&str, &str); 8] = [
 
 /// Keys that people add, as comments.
 const MORE: &str = "\
-# More keys, by example (`mimesh schema` lists all of them):
+# More keys, by example; the schema lists all of them:
 # gates: { edge_stretch: 60 }               # exit status 3 if a pose is worse
 # metrics: [ { type: self_intersections } ] # measured beside the default ones
 # pictures: { up: z }                       # which way is up in the pictures
@@ -42,11 +42,12 @@ pub fn spelled_out(prepared: &Prepared, place: &Path) -> String {
     for at in files(&prepared.document, &values) {
         rebase(&prepared.document, &mut values, &at, folder);
     }
-    let mut text =
-        format!("# mimesh run {}\n", paths::tidy(Path::new(place.file_name().unwrap_or_default())).display());
+    let mut text = String::new();
     for slot in slots() {
         let Some(value) = values.get(slot) else { continue };
-        text.push('\n');
+        if !text.is_empty() {
+            text.push('\n');
+        }
         if let Some((_, meaning)) = MEANINGS.iter().find(|(key, _)| *key == slot) {
             text += &format!("# {meaning}\n");
         }

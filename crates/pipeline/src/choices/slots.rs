@@ -5,7 +5,8 @@ use mimesh_document::Document;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde_json::Value;
 
-use super::AUTO;
+/// The word that leaves a slot to the program, as leaving it out does.
+pub const AUTO: &str = "auto";
 
 /// Which slots a pipeline leaves to the program.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -6,7 +6,7 @@ use mimesh_core::{
     stage::{Correspondence, Landmarks, Marker, Metric, Proximity, Transfer, TransferPair},
 };
 
-use super::{Choice, Open, overlap::overlap};
+use super::{choice::Choice, overlap::overlap, slots::Open};
 use crate::{
     input::ProximityInput,
     parse::slots,
