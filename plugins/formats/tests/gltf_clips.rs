@@ -145,7 +145,7 @@ fn a_channel_moves_a_node_that_is_stored_as_a_matrix() {
 fn what_a_file_does_not_have_is_named_with_what_it_has() {
     let mut file = turning("LINEAR");
     let error = |file: &File, selection: &Selection| message(&file.select(selection).unwrap_err());
-    let hint = "name a part that the file has; `mimesh inspect` lists meshes, morph targets and clips";
+    let hint = "`mimesh inspect` lists the morph targets and clips of a file";
     let run = clips(&["Run"], ClipTimes::Keys, None);
     assert_eq!(error(&file, &run), format!("a.gltf: no clip is called `Run`: the file has `Turn`\n{hint}"));
     let pose = Selection { rest: RestShape::Pose("smile".into()), ..Selection::default() };

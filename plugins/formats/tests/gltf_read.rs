@@ -170,8 +170,9 @@ fn meshes_are_chosen_by_node_mesh_or_material() {
     let wrong = Selection { meshes: vec!["left".into(), "Head".into()], ..Selection::default() };
     assert_eq!(
         message(&file.select(&wrong).unwrap_err()),
-        "a.gltf: nothing in the file is called `Head`: its meshes are `left`, `right`, `single`\n\
-         name a part that the file has; `mimesh inspect` lists meshes, morph targets and clips"
+        "a.gltf: nothing in the file is called `Head`: it has the nodes `left`, `right`, `single`, \
+         the meshes `pair`, `single`, the materials `skin`, `material-1`\n\
+         name parts that the file has, by their nodes, meshes or materials"
     );
 }
 

@@ -18,8 +18,8 @@ use super::{
 /// How many matches beside the best one are read.
 const OTHERS: usize = 2;
 
-/// A match that leads the next by less than this is compared with it.
-const SURE_LEAD: f64 = 0.08;
+/// A match that leads the next by less than this is compared with it: the points that happen to stand for the shapes make up to 0.08.
+const SURE_LEAD: f64 = 0.16;
 
 /// A reading whose agreement leads that of the next by less than this is doubtful.
 const AGREEMENT_LEAD: f64 = 0.15;
