@@ -43,7 +43,12 @@ use serde_json::json;
 
 pub use self::matching::Limits;
 use self::{
-    comparison::Proxies, matching::matches, place::alike, proposal::proposal, reading::Reader, shape::Shape,
+    comparison::Proxies,
+    matching::matches,
+    place::alike,
+    proposal::proposal,
+    reading::{Reader, Wanted},
+    shape::Shape,
     suggestion::suggest,
 };
 
@@ -152,7 +157,13 @@ impl Extremities {
     fn find(&self, pair: TransferPair<'_>, [source, target]: [Shape; 2]) -> Result<Proposal> {
         let fit = nested("fit", &self.fit, "nonrigid_fit")?;
         let proxies = Proxies::new(pair, self.fit_vertices, fit)?;
-        let reader = Reader { settings: self, pair, source: &source, target: &target, proxies: &proxies };
+        let wanted = Wanted {
+            in_limb: self.points_per_limb,
+            max_distance: self.max_distance,
+            max_misfit: self.limits.distance,
+            between: self.points_between,
+        };
+        let reader = Reader { wanted, pair, source: &source, target: &target, proxies: &proxies };
         let given = pair.markers.len();
         let mut matches = matches(&source, &target, self.limits);
         matches.retain(|found| found.pairs.len() >= MIN_COUNT);

@@ -6,7 +6,6 @@ use mimesh_core::{
 };
 
 use super::{
-    Extremities,
     between::between,
     comparison::{Comparison, Proxies},
     matching::{LimbPair, Match},
@@ -47,10 +46,23 @@ pub struct Reading<'a> {
     pub comparison: Option<Comparison>,
 }
 
+/// How many points are wanted, and how far they may lie apart.
+#[derive(Clone, Copy, Debug)]
+pub struct Wanted {
+    /// Most points in a pair of limbs.
+    pub in_limb: usize,
+    /// The largest distance of a pair of points, in sides of the box of its limb.
+    pub max_distance: f64,
+    /// The largest misfit of a pair of limbs.
+    pub max_misfit: f64,
+    /// Most points between limbs.
+    pub between: usize,
+}
+
 /// The surfaces as a reader sees them.
 #[derive(Clone, Copy)]
 pub struct Reader<'a> {
-    pub settings: &'a Extremities,
+    pub wanted: Wanted,
     pub pair: TransferPair<'a>,
     pub source: &'a Shape,
     pub target: &'a Shape,
@@ -101,9 +113,9 @@ impl<'a> Reader<'a> {
 
     /// The pairs of points in a pair of limbs.
     fn in_limbs(self, found: &Match, limbs: LimbPair) -> Vec<ProposedPair> {
-        let Extremities { points_per_limb, max_distance, limits, .. } = self.settings;
-        let tips = tips(self.source, self.target, limbs, &found.frames, *points_per_limb, *max_distance);
-        self.named(&format!("limb{}", limbs.source + 1), &tips, share(limbs.misfit, limits.distance).sqrt())
+        let Wanted { in_limb, max_distance, max_misfit, .. } = self.wanted;
+        let tips = tips(self.source, self.target, limbs, &found.frames, in_limb, max_distance);
+        self.named(&format!("limb{}", limbs.source + 1), &tips, share(limbs.misfit, max_misfit).sqrt())
     }
 
     /// Pairs of points named `name` with a number, without those beside a marker of the user's.
@@ -123,7 +135,7 @@ impl<'a> Reader<'a> {
                 source: self.source.cloud.points[tip.source],
                 target: self.target.cloud.points[tip.target],
             },
-            confidence: sure * share(tip.distance, self.settings.max_distance).sqrt(),
+            confidence: sure * share(tip.distance, self.wanted.max_distance).sqrt(),
         };
         tips.iter().filter(is_new).enumerate().map(proposed).collect()
     }
@@ -139,7 +151,7 @@ impl<'a> Reader<'a> {
         if !reading.found.pairs.is_empty() {
             let Some(comparison) = &mut reading.comparison else { return Ok(()) };
             // A marker holds a small part as a whole, which a fit of few triangles does not know well enough.
-            let most = if self.target.cloud.is_parted() { 0 } else { self.settings.points_between };
+            let most = if self.target.cloud.is_parted() { 0 } else { self.wanted.between };
             let more = between(self.pair, &comparison.agreed, &markers(&reading.pairs), most, "between-")?;
             comparison.around.extend(more.iter().map(|_| comparison.returned[0].min(comparison.returned[1])));
             reading.pairs.extend(more.into_iter().map(proposed));
