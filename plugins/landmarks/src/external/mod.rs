@@ -1,8 +1,8 @@
 //! Landmarks by a program of the user's, e.g. a learned matcher.
 //!
-//! - [`files`]: the meshes and clicks as the program reads them;
-//! - [`process`]: the program, its limits and its output;
-//! - [`answer`]: the pairs in its output.
+//! - `files`: the meshes and clicks as the program reads them;
+//! - `process`: the program, its limits and its output;
+//! - `answer`: the pairs in its output.
 
 mod answer;
 mod files;
