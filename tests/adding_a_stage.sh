@@ -64,7 +64,8 @@ printed() {
     tr -s ' ' < "$work/printed" > "$work/now"
     while IFS= read -r line; do
         line=$(tr -s ' ' <<< "$line" | sed 's/^ //; s/ $//')
-        at=$(tail -n +"$from" "$work/now" | grep -nF -m 1 -- "$line" | cut -d: -f1) \
+        # No pipe: `grep` stops at the first match, and a `tail` that still writes would make that a failure.
+        at=$(grep -nF -m 1 -- "$line" <(tail -n +"$from" "$work/now") | cut -d: -f1) \
             || { printf '\nthe page shows that this is printed:\n%s\n' "$line"; return 1; }
         from=$((from + at))
     done < "$1"

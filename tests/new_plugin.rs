@@ -26,6 +26,12 @@ fn a_crate_is_written_whole() {
     let manifest = project.read("ridge-points/Cargo.toml");
     assert!(manifest.contains("name = \"ridge-points\"") && manifest.contains("\n[workspace]\n"), "{manifest}");
     assert!(manifest.contains("\nserde = { version") && !manifest.contains("rayon"), "{manifest}");
+    // cargo builds all dependencies again for another profile, which takes minutes.
+    let profile = |manifest: &str| {
+        let (_, rest) = manifest.split_once("[profile.release]\n").expect("a release profile");
+        rest.lines().next().map(str::to_owned)
+    };
+    assert_eq!(profile(&manifest), profile(include_str!("../Cargo.toml")));
 }
 
 #[test]
