@@ -107,3 +107,23 @@ fn a_rest_in_mid_gallop_is_noticed_and_the_standing_pose_is_named() {
     project.write("p.yaml", &pipeline("horse-reference.obj"));
     assert_eq!(project.mimesh(&["check", "p.yaml"]).stderr.matches("rest in different shapes").count(), 0);
 }
+
+/// The same without clicks: landmarks by shape show it in a run.
+#[test]
+fn a_rest_in_a_crouch_is_noticed_by_landmarks_of_shape_too() {
+    let Some(bodies) = data("bodies") else { return };
+    let project = Project::new();
+    let bodies = bodies.display();
+    project.write(
+        "p.yaml",
+        &format!(
+            "source: {{ rest: '{bodies}/source/crouch.obj', poses: ['{bodies}/source/rest.obj'] }}\n\
+             target: {{ rest: '{bodies}/target-child/rest.obj' }}\nmarkers: auto\ncorrespondence: {{ type: nonrigid_fit }}\n\
+             transfer: {{ type: gradient }}\noutput: out/{{pose}}.obj\n"
+        ),
+    );
+    let output = project.mimesh(&["run", "p.yaml", "--json"]);
+    let report: Value = serde_json::from_str(&output.stdout).unwrap();
+    let warnings = report["warnings"].to_string();
+    assert!(warnings.contains("with the source in pose rest;"), "{warnings}");
+}

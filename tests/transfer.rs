@@ -202,7 +202,7 @@ fn doubtful_landmarks_make_a_doubtful_run_that_says_which_and_what_to_do() {
     let confidence = |pair: &&serde_json::Value| pair["confidence"].as_f64().expect("a confidence");
     let least = pairs.iter().min_by(|a, b| confidence(a).total_cmp(&confidence(b))).expect("a pair");
     let name = least["name"].as_str().expect("a name");
-    for expected in ["verdict: doubtful", name, "report.html", "file of `markers`", "turn the target"] {
+    for expected in ["verdict: doubtful", name, "mimesh markers propose", "mimesh markers suggest", "turn the target"] {
         assert!(output.stdout.contains(expected), "{expected} in {}", output.stdout);
     }
     assert!(project.read("x.html").contains("found by shape and are doubtful"));

@@ -5,7 +5,7 @@ use serde_json::Value;
 
 /// The report of a stage about its result: named figures in a fixed order, and warnings for a person.
 ///
-/// They go to the summary of a run and to `run.json`; nothing is decided by them.
+/// They go to the summary of a run and to `run.json`. Only a warning of landmarks counts beyond that: it makes the run doubtful.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Figures {
     /// Names in `snake_case` with a unit where there is one, and values.

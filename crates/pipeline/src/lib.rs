@@ -33,6 +33,7 @@ pub mod progress;
 pub mod propose;
 pub mod report;
 pub mod rest;
+mod rest_choice;
 mod run;
 pub mod schema;
 pub mod seam_points;

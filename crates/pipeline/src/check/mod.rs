@@ -11,7 +11,6 @@ mod noise;
 mod outputs;
 mod parts;
 mod poses;
-mod rest_choice;
 mod rest_meshes;
 mod run_diagnostics;
 mod runs;

@@ -18,7 +18,6 @@ use super::{
     markers::{clicks, markers},
     metrics::{check_bound, gates, metrics},
     outputs::outputs,
-    rest_choice::warn_of_rest,
     rest_meshes::{check_inside_out, check_mirrored},
     run_diagnostics::RunDiagnostics,
     seams::{SeamCache, open_like},
@@ -36,6 +35,7 @@ use crate::{
     marker_source::MarkerSource,
     parse::{Parsed, Required, parse},
     report::Clock,
+    rest_choice::warning_of_rest,
     schema::resolve_files,
     spec::Pipeline,
 };
@@ -174,7 +174,7 @@ fn prepare_one(
     let metrics = metrics(scope, found_mut, pipeline.metrics.take(), &truth);
     let gates = gates(scope, found_mut, &pipeline.gates, &metrics, &truth);
     if let (Some(source), Some(target), Some(markers)) = (&source, &target, &markers) {
-        warn_of_rest(scope, found_mut, [source, target], &poses, markers);
+        found_mut.warnings.extend(warning_of_rest([source, target], &poses, scope.formats, markers));
         check_bound(scope, found_mut, &metrics, source, target, markers);
         found_mut.warnings.extend(handedness::warning_of_markers(source, target, markers));
     }

@@ -21,8 +21,9 @@ pub fn landmark_doubt(proposal: &Proposal) -> Option<Reason> {
     let names: Vec<&str> = pairs.iter().take(MAX_NAMES).map(|pair| pair.marker.name.as_str()).collect();
     let names = names.join(", ");
     let note = format!(
-        "the landmarks were found by shape and are doubtful (confidence {median:.2} in the middle), first of all {names}: look at them in a \
-         `report.html`, give a file of `markers`, or turn the target as the source stands"
+        "the landmarks were found by shape and are doubtful (confidence {median:.2} in the middle), first of all {names}: \
+         look at them with `mimesh markers propose SOURCE TARGET`, whose picture numbers them; click the points that `mimesh markers \
+         suggest` names and give the file as `clicks`; or turn the target as the source stands"
     );
     Some(Reason {
         level: Level::Doubtful,

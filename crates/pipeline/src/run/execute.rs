@@ -24,6 +24,7 @@ use crate::{
     plan::Plan,
     progress::Progress,
     report::{Clock, InputReport, MeshFigures, PoseReport, ProposedMarker, Report, RunOf, usage},
+    rest_choice::warning_of_rest,
     staging::{self, Staged},
 };
 
@@ -107,9 +108,14 @@ fn execute(prepared: &Prepared, plan: &Plan, cache: Option<&Cache>, progress: &d
         return Err(Diagnostics { list: failed });
     }
 
+    let Prepared { source, target, .. } = prepared;
+    // Markers of a file were looked at before.
+    let of_rest = stages.proposal().and_then(|proposal| {
+        warning_of_rest([source, target], &prepared.poses, &prepared.formats, &proposal.markers())
+    });
     progress.stage("writing");
     let mut report = assemble(prepared, stages, poses, &failed, &staged, cache, since_start)?;
-    report.warnings.splice(prepared.warnings.len()..prepared.warnings.len(), warnings);
+    report.warnings.splice(prepared.warnings.len()..prepared.warnings.len(), warnings.into_iter().chain(of_rest));
     deduplicate(&mut report.warnings);
     if let Some(thumbnails) = thumbnails {
         let visual = written::visual_outputs(prepared, &report, thumbnails)?;

@@ -7,8 +7,10 @@ use mimesh_core::{
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 
-use super::findings::{Findings, Scope};
-use crate::input::{PoseInput, RestMesh, evenly_spaced, read_pose};
+use crate::{
+    formats::Formats,
+    input::{PoseInput, RestMesh, evenly_spaced, read_pose},
+};
 
 /// Fewer markers say little of a shape: a similarity transform has seven free numbers.
 const MIN_MARKERS: usize = 8;
@@ -22,16 +24,15 @@ const CLEARLY_BETTER: f64 = 0.75;
 /// The most poses that are tried.
 const MAX_POSES: usize = 200;
 
-/// Warns if the rests differ much in shape and a pose of the source is clearly nearer to the rest of the target; names the nearest.
-pub(super) fn warn_of_rest(
-    scope: Scope<'_>,
-    found: &mut Findings,
+/// A warning if the rests differ much in shape and a pose of the source is clearly nearer to the rest of the target; it names the nearest.
+pub fn warning_of_rest(
     [source, target]: [&RestMesh; 2],
     poses: &[PoseInput],
+    formats: &Formats,
     markers: &[Marker],
-) {
+) -> Option<String> {
     if markers.len() < MIN_MARKERS {
-        return;
+        return None;
     }
     let to: Vec<_> = markers.iter().map(|m| m.target.position(&target.surface, &target.surface.positions)).collect();
     let misfit_at = |positions: &[Point3<f64>]| {
@@ -40,24 +41,24 @@ pub(super) fn warn_of_rest(
     };
     let at_rest = misfit_at(&source.surface.positions);
     if at_rest.is_nan() || at_rest < MIN_MISFIT {
-        return;
+        return None;
     }
     let misfit_of = |i: usize| {
-        let positions = read_pose(source, scope.formats, &poses[i].from).ok()?;
+        let positions = read_pose(source, formats, &poses[i].from).ok()?;
         Some((misfit_at(&source.surface.from_mesh(&positions).ok()?), i))
     };
     let tried = evenly_spaced(poses.len(), MAX_POSES);
     let best = tried.into_par_iter().filter_map(misfit_of).min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-    let Some((misfit, best)) = best.filter(|(misfit, _)| *misfit <= CLEARLY_BETTER * at_rest) else { return };
+    let (misfit, best) = best.filter(|(misfit, _)| *misfit <= CLEARLY_BETTER * at_rest)?;
     let name = &poses[best].name;
     let file = source.path.as_ref().map_or_else(|| "…".into(), |path| path.display().to_string());
-    found.warnings.push(format!(
+    Some(format!(
         "source and target rest in different shapes: their markers differ by {:.0} % of the target's extent once laid on each other, \
          and by {:.0} % with the source in pose {name}; take that for its rest, `rest: {{ file: {file}, pose: {name} }}`, if its shape is \
          the one that the target rests in",
         100.0 * at_rest,
         100.0 * misfit
-    ));
+    ))
 }
 
 /// How far points `from` are from `to` once laid on them by a similarity transform: the root mean square distance, relative to that
