@@ -188,7 +188,7 @@ error: p.yaml:6:33: missing key `type`
    |
  6 | metrics: [{ type: pont_error }, { tipe: x }]
    |                                 ^^^^^^^^^^
-   = hint: known types: area_change, closure, component_gaps, component_motion, contact_slide, edge_stretch, flipped_triangles, jitter, map_collapse, map_tears, marker_fit, point_error, self_intersections, source_motion, volume
+   = hint: known types: area_change, closure, component_gaps, component_motion, contact_slide, edge_stretch, flipped_triangles, jitter, map_collapse, map_tears, marker_fit, point_error, rest_difference, self_intersections, source_motion, volume
 error: p.yaml:7:38: `turn_normals`: expected true or false, found 7
    |
  7 | formats: [{ type: obj, turn_normals: 7 }, { type: gif }]

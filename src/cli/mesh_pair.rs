@@ -177,7 +177,7 @@ pub fn in_arguments(failure: Diagnostics) -> Diagnostics {
         };
         diagnostic.remedy = None;
         diagnostic.hint = Some(match diagnostic.hint {
-            Some(hint) => format!("{hint}, or {words}"),
+            Some(hint) => format!("{hint}; {words}"),
             None => words.into(),
         });
         diagnostic

@@ -5,7 +5,7 @@ use std::{fmt::Write, path::Path};
 use mimesh_core::Figures;
 use mimesh_pipeline::{
     choices,
-    metrics::{Level, PrimaryStatistic, Reason, Verdict, primary_statistics},
+    metrics::{Level, PrimaryStatistic, Reason, Verdict, faults, primary_statistics},
     report::{MeshFigures, PoseReport, Report, Results, RunOutcome, StageReport},
     text::{bytes, count, number, pairs, seconds, table},
 };
@@ -148,12 +148,19 @@ fn verdicts(report: &Report) -> String {
     if lines.len() > MAX_ROWS {
         let _ = writeln!(text, "  … and {} more", lines.len() - MAX_ROWS);
     }
+    let meaning: Vec<_> = faults(report.verdicts())
+        .into_iter()
+        .map(|(metric, fault)| (metric.replace('_', " "), fault.to_owned()))
+        .collect();
+    if !meaning.is_empty() {
+        let _ = write!(text, "\nwhat that means\n{}", pairs(&meaning));
+    }
     text
 }
 
 /// A line for map and markers and one for each pose, if the verdict on them is `level` or worse; poses come the worst first.
 ///
-/// Poses with the same reasons share a line.
+/// Poses with the same reasons share a line, with the worst values.
 pub fn reasons(report: &Report, level: Level) -> Vec<String> {
     let of_rest = report.rest_verdict.as_ref().filter(|verdict| verdict.level >= level);
     of_rest
@@ -163,13 +170,40 @@ pub fn reasons(report: &Report, level: Level) -> Vec<String> {
         .collect()
 }
 
+/// How many reasons a line has.
+const MAX_REASONS: usize = 3;
+
 /// The level of a verdict and its first reasons.
 fn line(verdict: &Verdict) -> String {
-    let mut reasons: Vec<_> = verdict.reasons.iter().take(3).map(Reason::words).collect();
-    if verdict.reasons.len() > reasons.len() {
-        reasons.push(format!("and {} more", verdict.reasons.len() - reasons.len()));
+    line_of(verdict.level, verdict.reasons.iter().map(Reason::words).collect())
+}
+
+fn line_of(level: Level, mut reasons: Vec<String>) -> String {
+    let more = reasons.len().saturating_sub(MAX_REASONS);
+    reasons.truncate(MAX_REASONS);
+    if more > 0 {
+        reasons.push(format!("and {more} more"));
     }
-    format!("{}: {}", verdict.level.word(), reasons.join("; "))
+    format!("{}: {}", level.word(), reasons.join("; "))
+}
+
+/// The line of verdicts with the same reasons: the worst value of each.
+fn line_of_all(verdicts: &[&Verdict]) -> String {
+    let Some(first) = verdicts.first() else { return String::new() };
+    let worst = |k: usize| {
+        let all = verdicts.iter().map(|verdict| &verdict.reasons[k]);
+        let worst = all.clone().reduce(|worst, one| if one.excess() > worst.excess() { one } else { worst });
+        let worst = worst.unwrap_or(&first.reasons[k]);
+        let is_one = all.clone().all(|one| one.words() == worst.words());
+        if is_one { worst.words() } else { worst.words_of_worst() }
+    };
+    line_of(first.level, (0..first.reasons.len()).map(worst).collect())
+}
+
+/// Whether two verdicts find the same things wrong.
+fn are_alike(a: &Verdict, b: &Verdict) -> bool {
+    let same = |(a, b): (&Reason, &Reason)| (&a.metric, &a.statistic, a.level) == (&b.metric, &b.statistic, b.level);
+    a.level == b.level && a.reasons.len() == b.reasons.len() && a.reasons.iter().zip(&b.reasons).all(same)
 }
 
 /// The lines of [`reasons`] for poses.
@@ -177,20 +211,23 @@ fn of_poses(report: &Report, level: Level) -> Vec<String> {
     let verdicts = report.poses.iter().filter_map(|pose| Some((pose, pose.verdict.as_ref()?)));
     let mut verdicts: Vec<_> = verdicts.filter(|(_, verdict)| verdict.level >= level).collect();
     verdicts.sort_by_key(|(_, verdict)| std::cmp::Reverse(verdict.level));
-    let mut lines: Vec<(String, Vec<&str>)> = Vec::new();
+    let mut groups: Vec<(Vec<&Verdict>, Vec<&str>)> = Vec::new();
     for (pose, verdict) in verdicts {
-        let line = line(verdict);
-        match lines.iter_mut().find(|(other, _)| *other == line) {
-            Some((_, poses)) => poses.push(&pose.name),
-            None => lines.push((line, vec![&pose.name])),
+        match groups.iter_mut().find(|(others, _)| are_alike(others[0], verdict)) {
+            Some((others, poses)) => {
+                others.push(verdict);
+                poses.push(&pose.name);
+            }
+            None => groups.push((vec![verdict], vec![&pose.name])),
         }
     }
+    let lines = groups.into_iter().map(|(verdicts, poses)| (line_of_all(&verdicts), poses));
     let named = |(line, poses): (String, Vec<&str>)| match poses.len() {
         count if count == report.poses.len() && count > 1 => format!("all poses, {line}"),
         count if count > 4 => format!("{} and {} more, {line}", poses[..3].join(", "), count - 3),
         _ => format!("{}, {line}", poses.join(", ")),
     };
-    lines.into_iter().map(named).collect()
+    lines.map(named).collect()
 }
 
 /// A table of the statistics of `metric`, with a row for each pose, the average, the worst and the mesh at rest.

@@ -39,6 +39,10 @@ impl Metric for AreaChange {
         size_change::statistics(beyond, Limits { doubtful: 20.0, bad: 100.0 })
     }
 
+    fn fault(&self) -> &'static str {
+        "triangles grow or shrink where those of the source do not"
+    }
+
     fn by_default(&self) -> bool {
         true
     }

@@ -69,6 +69,10 @@ impl Metric for Closure {
             Statistic::new("source_worst_gap", "%", "The same as `worst_gap`, of the source."),
         ]
     }
+
+    fn fault(&self) -> &'static str {
+        "lips or eyelids do not close as far as those of the source: give markers along both rims"
+    }
 }
 
 struct Bound<'a> {

@@ -89,6 +89,10 @@ impl Metric for ComponentGaps {
         ]
     }
 
+    fn fault(&self) -> &'static str {
+        "parts that lie together at rest drift apart: `transfer: multi_component` with `proximity` holds them"
+    }
+
     fn by_default(&self) -> bool {
         true
     }

@@ -46,6 +46,10 @@ impl Metric for ComponentMotion {
         ]
     }
 
+    fn fault(&self) -> &'static str {
+        "parts are out of place against the known result"
+    }
+
     fn needs_ground_truth(&self) -> bool {
         true
     }

@@ -79,6 +79,10 @@ impl Metric for ContactSlide {
         ]
     }
 
+    fn fault(&self) -> &'static str {
+        "feet slide where those of the source stand"
+    }
+
     fn by_default(&self) -> bool {
         true
     }

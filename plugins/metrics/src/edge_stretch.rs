@@ -63,6 +63,10 @@ impl Metric for EdgeStretch {
         statistics
     }
 
+    fn fault(&self) -> &'static str {
+        "edges stretch where those of the source do not: a vertex, a lip or a seam may follow the wrong part"
+    }
+
     fn by_default(&self) -> bool {
         true
     }

@@ -53,6 +53,10 @@ impl Metric for FlippedTriangles {
         ]
     }
 
+    fn fault(&self) -> &'static str {
+        "the surface folds over itself where that of the source does not"
+    }
+
     fn by_default(&self) -> bool {
         true
     }

@@ -53,6 +53,10 @@ impl Metric for Jitter {
         ]
     }
 
+    fn fault(&self) -> &'static str {
+        "the motion trembles more than that of the source"
+    }
+
     fn by_default(&self) -> bool {
         true
     }

@@ -16,6 +16,7 @@
 //! | [`closure`](closure::Closure) | lips and eyelids that do not close | vertices of both |
 //! | [`map_tears`](map_tears::MapTears) | a correspondence that jumps | a map |
 //! | [`map_collapse`](map_collapse::MapCollapse) | much of the target that follows little of the source | a map |
+//! | [`rest_difference`](rest_difference::RestDifference) | rests that stand in other poses | a map |
 //! | [`marker_fit`](marker_fit::MarkerFit) | markers in a wrong place, left and right swapped | markers |
 //!
 //! Two are not measured by default: `closure` needs vertices to be named, and `self_intersections` takes as long as all others
@@ -33,6 +34,7 @@ pub mod map_collapse;
 pub mod map_tears;
 pub mod marker_fit;
 pub mod point_error;
+pub mod rest_difference;
 pub mod self_intersections;
 pub mod source_motion;
 pub mod volume;

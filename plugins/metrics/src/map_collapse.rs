@@ -65,6 +65,10 @@ impl Metric for MapCollapse {
         ]
     }
 
+    fn fault(&self) -> &'static str {
+        "much of the target follows one small place of the source, as a shank that follows the knee: give a marker there"
+    }
+
     fn needs_map(&self) -> bool {
         true
     }

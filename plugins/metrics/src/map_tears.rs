@@ -67,6 +67,10 @@ impl Metric for MapTears {
         ]
     }
 
+    fn fault(&self) -> &'static str {
+        "neighbours on the target follow distant places of the source: look at the colours of the map, and give a marker there"
+    }
+
     fn needs_map(&self) -> bool {
         true
     }

@@ -66,7 +66,7 @@ impl Metric for MarkerFit {
             Statistic::new(
                 "mirror_gain",
                 "ratio",
-                "√((r₊ + 0.01) / (r₋ + 0.01)): above 1 a reflection fits better than a rotation.",
+                "√((r₊ + 0.01) / (r₋ + 0.01)): above 1 a reflection fits better than a rotation. None where markers of both differ by more than 0.2 of their spread either way: the shapes rest in other poses.",
             ),
             Statistic::new(
                 "outlier",
@@ -78,6 +78,10 @@ impl Metric for MarkerFit {
             Statistic::new("residual_max", "%", "Largest residual."),
             Statistic::index("worst", "Marker with the largest score, by its place in the list."),
         ]
+    }
+
+    fn fault(&self) -> &'static str {
+        "a marker lies far from where the others expect it, or left and right are swapped: look at the markers"
     }
 
     fn by_default(&self) -> bool {

@@ -65,6 +65,10 @@ impl Metric for PointError {
         ]
     }
 
+    fn fault(&self) -> &'static str {
+        "the result is far from the known one"
+    }
+
     fn needs_ground_truth(&self) -> bool {
         true
     }

@@ -45,6 +45,10 @@ impl Metric for SelfIntersections {
             Statistic::new("rest_share", "%", "Share of triangles that cross another at rest."),
         ]
     }
+
+    fn fault(&self) -> &'static str {
+        "parts run into each other where those of the source do not"
+    }
 }
 
 struct Bound<'a> {

@@ -72,6 +72,10 @@ impl Metric for SourceMotion {
         ]
     }
 
+    fn fault(&self) -> &'static str {
+        "parts stay behind, or move where those of the source rest: look at the colours of the pose, and give a marker there"
+    }
+
     fn by_default(&self) -> bool {
         true
     }

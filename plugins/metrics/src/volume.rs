@@ -54,6 +54,10 @@ impl Metric for Volume {
         ]
     }
 
+    fn fault(&self) -> &'static str {
+        "the target swells or shrinks where the source does not"
+    }
+
     fn by_default(&self) -> bool {
         true
     }

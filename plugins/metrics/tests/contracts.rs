@@ -18,6 +18,7 @@ fn every_metric_keeps_its_contract() {
         "map_tears",
         "marker_fit",
         "point_error",
+        "rest_difference",
         "self_intersections",
         "source_motion",
         "volume",

@@ -5,7 +5,7 @@ use mimesh_core::{
     stage::{Marker, TransferPair},
 };
 use mimesh_document::diagnostic::{Diagnostic, Kind, Result};
-use mimesh_markers::{IntoDiagnostic, MeshRole, PointSource};
+use mimesh_markers::{IntoDiagnostic, MarkerStatus, MeshRole, PointSource};
 use mimesh_pipeline::{input::Meshes, propose::propose, text::count};
 use serde_json::json;
 
@@ -18,7 +18,7 @@ use crate::cli::{
 
 /// Names the point whose click would help most: where fits from both sides disagree, away from the points that are known.
 ///
-/// Known are all pairs of --clicks, confirmed or proposed; without any, those that the stage finds.
+/// Known are the pairs of --clicks, and if none of these is proposed, what the stage proposes beside them, as in a run.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   mimesh markers suggest horse.obj camel.obj --clicks pairs.yaml
@@ -35,12 +35,18 @@ impl Suggest {
     /// Runs the command.
     pub fn run(&self) -> CommandResult {
         let (meshes, stage) = self.meshes.read()?;
-        let known = match known(&meshes)? {
-            Some(markers) => markers,
-            None => {
-                let sides = [&meshes.source, &meshes.target];
-                propose(stage.as_ref(), sides, &[], self.meshes.allow_commands())?.markers()
+        let Known { pairs, are_clicks } = known(&meshes)?;
+        let known = if are_clicks {
+            let sides = [&meshes.source, &meshes.target];
+            let proposed = propose(stage.as_ref(), sides, &pairs, self.meshes.allow_commands());
+            match proposed {
+                Ok(proposal) => proposal.markers(),
+                // Clicks say more than nothing where the shapes alone say too little.
+                Err(_) if !pairs.is_empty() => pairs,
+                Err(failure) => return Err(failure),
             }
+        } else {
+            pairs
         };
         let pair = TransferPair {
             source: &meshes.source.surface,
@@ -75,19 +81,30 @@ impl Suggest {
         if let Some(point) = suggested.target {
             text += &format!("  its partner is now near {} of the target\n", described(target, point));
         }
-        text += &format!("  fits from both sides disagree around it by {} of the diagonal\n", percent(suggested.doubt));
+        text += &match suggested.doubt {
+            Some(doubt) => format!("  fits from both sides disagree around it by {} of the diagonal\n", percent(doubt)),
+            None => "  the known pairs are too few for a fit; this is the place farthest from them\n".to_owned(),
+        };
         terminal::print(&text);
         Ok(Status::Done)
     }
 }
 
-/// All pairs of the files of `meshes`; `None` if these name no files.
-fn known(meshes: &Meshes) -> Result<Option<Vec<Marker>>> {
-    let Some(files) = &meshes.markers else { return Ok(None) };
+/// The pairs that files give.
+struct Known {
+    pairs: Vec<Marker>,
+    /// Whether all are confirmed, so that a stage has not proposed any yet.
+    are_clicks: bool,
+}
+
+/// The pairs of the files of `meshes`, none if these name no files.
+fn known(meshes: &Meshes) -> Result<Known> {
+    let Some(files) = &meshes.markers else { return Ok(Known { pairs: vec![], are_clicks: true }) };
     let on = [meshes.source.for_markers(MeshRole::Source), meshes.target.for_markers(MeshRole::Target)];
     let mut markers = PointSource::read(files)?.attach(on, false)?.markers;
     markers.pairs.retain(|pair| pair.target.is_some());
-    markers.resolve(on).map(Some)
+    let are_clicks = markers.pairs.iter().all(|pair| pair.status == MarkerStatus::Confirmed);
+    Ok(Known { pairs: markers.resolve(on)?, are_clicks })
 }
 
 /// A point for people: the vertex nearest to it, and where it is.

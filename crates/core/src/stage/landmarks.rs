@@ -75,8 +75,9 @@ pub struct Suggestion {
     pub source: SurfacePoint,
     /// Where its partner probably is.
     pub target: Option<SurfacePoint>,
-    /// How far fits from both sides disagree around it, relative to the diagonal of the source.
-    pub doubt: f64,
+    /// How far fits from both sides disagree around it, relative to the diagonal of the source; `None` if the points that are known are
+    /// too few for a fit.
+    pub doubt: Option<f64>,
 }
 
 impl ProposedPair {

@@ -33,6 +33,12 @@ pub trait Metric: Debug + Send + Sync {
     /// averaged over poses number by number.
     fn statistics(&self) -> Vec<Statistic>;
 
+    /// What is wrong where a statistic is above its limit, and what helps, in the words of someone who looks at the result; empty if the
+    /// names of the statistics say it.
+    fn fault(&self) -> &'static str {
+        ""
+    }
+
     /// Whether it gives no statistics without a known result.
     fn needs_ground_truth(&self) -> bool {
         false

@@ -7,10 +7,14 @@ use super::verdict::{Level, Reason};
 /// Half of the pairs have at least this confidence, or the landmarks are doubtful.
 const MIN_CONFIDENCE: f64 = 0.25;
 
+/// Below this agreement of fits forwards and backwards nothing matches. Right pairs have 0.37 and more.
+const MIN_AGREEMENT: f64 = 0.15;
+
 /// How many of the least sure pairs are named.
 const MAX_NAMES: usize = 4;
 
-/// Why the pairs of `proposal` are doubtful: the stage warns of them, or is not sure of half of them. `None` if they are not.
+/// Why the pairs of `proposal` are doubtful: the stage warns of them, or is not sure of half of them; bad if its fits agree on nothing.
+/// `None` if they are neither.
 pub fn landmark_doubt(proposal: &Proposal) -> Option<Reason> {
     let mut pairs: Vec<&ProposedPair> = proposal.pairs.iter().collect();
     pairs.sort_by(|a, b| a.confidence.total_cmp(&b.confidence));
@@ -26,7 +30,10 @@ pub fn landmark_doubt(proposal: &Proposal) -> Option<Reason> {
          suggest` names and give the file as `clicks`; or turn the target as the source stands"
     );
     Some(Reason {
-        level: Level::Doubtful,
+        level: match proposal.figures.number("agreement") {
+            Some(agreement) if agreement < MIN_AGREEMENT => Level::Bad,
+            _ => Level::Doubtful,
+        },
         metric: "landmarks".into(),
         statistic: "confidence".into(),
         about: Some(names),

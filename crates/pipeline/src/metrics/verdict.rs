@@ -77,13 +77,23 @@ impl Level {
 impl Reason {
     /// The reason for people: `edge stretch p99 85.1, above 60`.
     pub fn words(&self) -> String {
+        self.in_words("")
+    }
+
+    /// The same for the worst of several poses: `edge stretch p99 up to 85.1, above 60`.
+    pub fn words_of_worst(&self) -> String {
+        self.in_words("up to ")
+    }
+
+    fn in_words(&self, how: &str) -> String {
         if let Some(note) = &self.note {
             return note.clone();
         }
         let statistic = format!("{} {}", self.metric, self.statistic).replace('_', " ");
         let Some(value) = self.value else { return format!("{statistic} could not be measured") };
-        let about = self.about.as_ref().map(|about| format!(" at {about}")).unwrap_or_default();
-        format!("{statistic} {}{about}, above {}", number(value), number(self.limit))
+        let at = |about: &String| if about.starts_with("around") { format!(" {about}") } else { format!(" at {about}") };
+        let about = self.about.as_ref().map(at).unwrap_or_default();
+        format!("{statistic} {how}{}{about}, above {}", number(value), number(self.limit))
     }
 
     /// The size of the value over its limit: at least 1, and infinite if the limit is 0 or there is no value.

@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 use super::elements::{self, Image, badge, picture};
 use crate::{
-    metrics::{Level, PrimaryStatistic, Verdict, primary_statistics},
+    metrics::{Level, PrimaryStatistic, Verdict, faults, primary_statistics},
     report::{PoseReport, Report},
     text::number,
 };
@@ -31,6 +31,19 @@ pub fn worst(report: &Report, images: &[Image]) -> Markup {
                         }
                     }
                 }
+            }
+        }
+    }
+}
+
+/// Returns what is wrong with the run, in plain words.
+pub fn meaning(report: &Report) -> Markup {
+    let found = faults(report.verdicts());
+    html! {
+        @if !found.is_empty() {
+            section {
+                h2 { "What that means" }
+                dl { @for (metric, fault) in &found { dt { (metric.replace('_', " ")) } dd { (fault) } } }
             }
         }
     }

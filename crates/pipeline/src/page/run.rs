@@ -31,6 +31,7 @@ pub fn page(report: &Report, pictures: &Pictures) -> String {
         &title,
         html! {
             (facts::head(report, &title))
+            (poses::meaning(report))
             (poses::shared(report))
             (poses::worst(report, &pictures.worst))
             (poses::table(report))

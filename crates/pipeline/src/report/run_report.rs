@@ -79,6 +79,13 @@ pub struct Report {
     pub process: Usage,
 }
 
+impl Report {
+    /// The verdicts on map and markers and on all poses.
+    pub fn verdicts(&self) -> impl Iterator<Item = &Verdict> {
+        self.rest_verdict.iter().chain(self.poses.iter().filter_map(|pose| pose.verdict.as_ref()))
+    }
+}
+
 /// One of the runs that a pipeline declares.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub struct RunOf {

@@ -35,6 +35,9 @@ const REFINED: usize = 3;
 /// Every so manieth point is laid on the other shape; more tell the same.
 const STRIDE: usize = 4;
 
+/// How much farther limbs may differ in other poses.
+const OTHER_POSE: f64 = 1.5;
+
 /// How far limbs may differ and still be the same.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema, Serialize)]
 #[serde(default, deny_unknown_fields)]
@@ -51,6 +54,13 @@ pub struct Limits {
 impl Default for Limits {
     fn default() -> Self {
         Self { place: 0.6, distance: 0.15 }
+    }
+}
+
+impl Limits {
+    /// The limits under which shapes in other poses are compared, as one with its arms stretched out and one with its arms down.
+    pub fn of_other_poses(self) -> Self {
+        Self { place: OTHER_POSE * self.place, distance: OTHER_POSE * self.distance }
     }
 }
 

@@ -47,7 +47,7 @@ use self::{
     matching::matches,
     place::alike,
     proposal::proposal,
-    reading::{Reader, Wanted},
+    reading::{Reader, Reading, Wanted},
     shape::Shape,
     suggestion::suggest,
 };
@@ -103,6 +103,9 @@ impl Default for Extremities {
 
 /// Fewer limbs, or fewer pairs of points, say too little of how two shapes correspond.
 const MIN_COUNT: usize = 4;
+
+/// Limbs of shapes in other poses are taken for the same where fits agree at least so far.
+const MIN_OTHER_POSE: f64 = 0.3;
 
 /// Shapes without limbs are taken to lie alike where fits agree at least so far.
 const MIN_ALIKE: f64 = 0.75;
@@ -165,11 +168,17 @@ impl Extremities {
         };
         let reader = Reader { wanted, pair, source: &source, target: &target, proxies: &proxies };
         let given = pair.markers.len();
-        let mut matches = matches(&source, &target, self.limits);
-        matches.retain(|found| found.pairs.len() >= MIN_COUNT);
-        let readings = reader.readings(&matches)?;
-        if readings.first().is_some_and(|best| best.pairs.len() >= given + MIN_COUNT) {
-            return Ok(proposal(&source, &target, &matches, readings, given));
+        for (limits, least) in [(self.limits, 0.0), (self.limits.of_other_poses(), MIN_OTHER_POSE)] {
+            let mut matches = matches(&source, &target, limits);
+            matches.retain(|found| found.pairs.len() >= MIN_COUNT);
+            let readings = reader.readings(&matches)?;
+            let is_enough = |best: &Reading<'_>| best.pairs.len() >= given + MIN_COUNT && best.agreement() >= least;
+            if let Some(best) = readings.first() {
+                eprintln!("{} {} {:?}", best.agreement(), best.pairs.len(), best.found.frames.turn());
+            }
+            if readings.first().is_some_and(is_enough) {
+                return Ok(proposal(&source, &target, &matches, readings, given));
+            }
         }
         let alike = alike(&source, &target);
         let readings = reader.readings(&alike)?;
@@ -180,7 +189,7 @@ impl Extremities {
         check_limbs("target", &target)?;
         Err(Error::data(
             format!("fewer than {MIN_COUNT} points of the source were found on the target"),
-            "are both meshes of one kind, in similar poses? If so, give markers by hand: these two share too few limbs",
+            "these two share too few limbs, or are of different kinds; corresponding points by hand say what is what",
         ))
     }
 }
@@ -191,8 +200,11 @@ fn check_limbs(side: &str, shape: &Shape) -> Result<()> {
         return Ok(());
     }
     Err(Error::data(
-        format!("the {side} has {found} limbs: expected at least {MIN_COUNT}, as legs, arms, necks or tails"),
-        "give markers by hand: a file of corresponding points",
+        format!(
+            "the {side} has {found} limbs, as legs, arms, necks or tails: expected at least {MIN_COUNT}, or two shapes without limbs \
+             that lie alike, as faces cut at the same place"
+        ),
+        "corresponding points by hand say what is what",
     ))
 }
 

@@ -63,7 +63,7 @@ fn figures(source: &Shape, target: &Shape, matches: &[Match], readings: &[Readin
         format!("only {share:.0} % of the surface returns to its place when it is fitted to the other and back")
     };
     if agreed.min(alone) < DOUBTFUL {
-        figures.warn(format!("the landmarks are doubtful: {why}; look at them, or give markers by hand"));
+        figures.warn(format!("the landmarks are doubtful: {why}; look at them, or give corresponding points by hand"));
     }
     figures
 }

@@ -106,7 +106,7 @@ impl<'a> Reader<'a> {
             let tips = spread(self.source, self.target, &found.frames, AT_PLACE);
             given.chain(self.named("place", &tips, 1.0)).collect()
         } else {
-            given.chain(found.pairs.iter().flat_map(|&limbs| self.in_limbs(found, limbs))).collect()
+            distinct(given.chain(found.pairs.iter().flat_map(|&limbs| self.in_limbs(found, limbs))))
         };
         Reading { found, pairs, comparison: None }
     }
@@ -137,7 +137,8 @@ impl<'a> Reader<'a> {
             },
             confidence: sure * share(tip.distance, self.wanted.max_distance).sqrt(),
         };
-        tips.iter().filter(is_new).enumerate().map(proposed).collect()
+        // Numbered before, so that a click changes no names.
+        tips.iter().enumerate().filter(|(_, tip)| is_new(tip)).map(proposed).collect()
     }
 
     /// Adds points between limbs, or puts points that fits agree on in place of those at the same place.
@@ -192,6 +193,18 @@ pub fn sureness(readings: &[Reading<'_>]) -> [f64; 2] {
     let others = readings.iter().skip(1).filter(|other| other.comparison.is_some()).map(Reading::agreement);
     let lead = best.agreement() - others.fold(f64::NEG_INFINITY, f64::max);
     [((best.agreement() - wrong) / (sure - wrong)).clamp(0.0, 1.0), (lead / AGREEMENT_LEAD).clamp(0.0, 1.0)]
+}
+
+/// The pairs without those that share a point with one before, as those of limbs that grow together may.
+fn distinct(pairs: impl Iterator<Item = ProposedPair>) -> Vec<ProposedPair> {
+    let mut found: Vec<ProposedPair> = Vec::new();
+    for pair in pairs {
+        let shares = |a: &Marker, b: &Marker| a.source == b.source || a.target == b.target;
+        if found.iter().all(|other| !shares(&other.marker, &pair.marker)) {
+            found.push(pair);
+        }
+    }
+    found
 }
 
 /// 1 for a value of 0 and 0 for `limit` or more.

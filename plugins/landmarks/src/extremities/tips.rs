@@ -1,9 +1,10 @@
 //! Points of two limbs that correspond, found in the boxes of the limbs themselves.
 //!
 //! The farthest point of a limb is not the same on every shape: a cat's is the tip of an ear, a lion's the nose. Laid into one box the
-//! outer halves of two limbs show which points are the same.
+//! outer halves of two limbs show which points are the same. Where one hangs and the other is stretched out, as arms at rest do, it is
+//! turned along the other first.
 
-use nalgebra::{Matrix3, Point3, SVector, Vector3};
+use nalgebra::{Matrix3, Point3, Rotation3, SVector, Vector3};
 
 use super::{
     matching::LimbPair,
@@ -20,6 +21,9 @@ const LEAST_EXTENT: f64 = 0.25;
 /// How normals, and how mean distances between those of the limb's end and its tip, compare to places in the box.
 const NORMALS: f64 = 0.2;
 const FAR: f64 = 0.3;
+
+/// Limbs whose directions differ by more than this, in degrees, stand in different poses.
+const BENT: f64 = 30.0;
 
 /// Two tips of one limb are at least this far apart, in sides of its box.
 const APART: f64 = 0.5;
@@ -58,7 +62,8 @@ pub fn tips(
         // On one surface a thin limb follows what it grows from, better than its tips are known. Loose pieces follow nothing.
         return if target.cloud.is_parted() { vec![tip] } else { vec![] };
     }
-    let a = Outer::new(source, own[0], &frames.source);
+    let bend = bend(along(source, own[0], &frames.source), along(target, own[1], &frames.target));
+    let a = Outer::new(source, own[0], &(bend * frames.source));
     let b = Outer::new(target, own[1], &frames.target);
     let (to_b, to_a) = (nearest(&a.features, &b.features), nearest(&b.features, &a.features));
     let mutual = (0..own[0].len()).filter(|&i| to_a[to_b[i].0].0 == i && to_b[i].1 < max_distance);
@@ -75,6 +80,21 @@ pub fn tips(
     }
     let tip = |i: usize| Tip { source: own[0][i], target: own[1][to_b[i].0], distance: to_b[i].1 };
     chosen.into_iter().map(tip).collect()
+}
+
+/// The direction of a limb, from its inner end outwards; not of unit length.
+fn along(shape: &Shape, points: &[usize], turn: &Matrix3<f64>) -> Vector3<f64> {
+    let count = points.len() as f64;
+    let far = points.iter().map(|&p| shape.far[p]).sum::<f64>() / count;
+    let ways = points.iter().map(|&p| shape.cloud.places[p].coords * (shape.far[p] - far));
+    turn * ways.sum::<Vector3<f64>>()
+}
+
+/// The least turn that takes the direction `from` to `to`; none if they differ little, or are opposite.
+fn bend(from: Vector3<f64>, to: Vector3<f64>) -> Matrix3<f64> {
+    let is_bent = from.angle(&to) > BENT.to_radians();
+    let turn = Rotation3::rotation_between(&from, &to).filter(|_| is_bent);
+    turn.map_or_else(Matrix3::identity, Rotation3::into_inner)
 }
 
 /// The outer part of a limb in its own box.
