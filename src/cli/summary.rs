@@ -158,6 +158,13 @@ fn verdicts(report: &Report) -> String {
     text
 }
 
+/// How the commands help where landmarks are doubtful.
+fn landmarks_help() -> (String, String) {
+    let help = "`mimesh markers propose SOURCE TARGET` draws them on both meshes and writes them to be corrected; `mimesh markers suggest` \
+                names the point whose click helps most";
+    ("landmarks".into(), help.into())
+}
+
 /// A line for map and markers and one for each pose, if the verdict on them is `level` or worse; poses come the worst first.
 ///
 /// Poses with the same reasons share a line, with the worst values.

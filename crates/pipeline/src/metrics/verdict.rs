@@ -91,7 +91,8 @@ impl Reason {
         }
         let statistic = format!("{} {}", self.metric, self.statistic).replace('_', " ");
         let Some(value) = self.value else { return format!("{statistic} could not be measured") };
-        let at = |about: &String| if about.starts_with("around") { format!(" {about}") } else { format!(" at {about}") };
+        let at =
+            |about: &String| if about.starts_with("around") { format!(" {about}") } else { format!(" at {about}") };
         let about = self.about.as_ref().map(at).unwrap_or_default();
         format!("{statistic} {how}{}{about}, above {}", number(value), number(self.limit))
     }
