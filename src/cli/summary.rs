@@ -148,10 +148,11 @@ fn verdicts(report: &Report) -> String {
     if lines.len() > MAX_ROWS {
         let _ = writeln!(text, "  … and {} more", lines.len() - MAX_ROWS);
     }
-    let meaning: Vec<_> = faults(report.verdicts())
-        .into_iter()
-        .map(|(metric, fault)| (metric.replace('_', " "), fault.to_owned()))
-        .collect();
+    let of_metrics = faults(report.verdicts()).into_iter();
+    let of_metrics = of_metrics.map(|(metric, fault)| (metric.replace('_', " "), fault.to_owned()));
+    let mut reasons = report.verdicts().flat_map(|verdict| &verdict.reasons);
+    let are_landmarks_doubtful = reasons.any(|reason| reason.metric == "landmarks");
+    let meaning: Vec<_> = are_landmarks_doubtful.then(landmarks_help).into_iter().chain(of_metrics).collect();
     if !meaning.is_empty() {
         let _ = write!(text, "\nwhat that means\n{}", pairs(&meaning));
     }

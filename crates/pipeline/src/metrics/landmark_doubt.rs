@@ -26,7 +26,8 @@ pub fn landmark_doubt(proposal: &Proposal) -> Option<Reason> {
     let names = names.join(", ");
     let note = format!(
         "the landmarks were found by shape and are doubtful (confidence {median:.2} in the middle), first of all {names}: \
-         look at their numbers on both meshes; click points where they are wrong or missing and give the file as `clicks`; or turn the target as the source stands"
+         look at their numbers on both meshes; click points where they are wrong or missing and give the file as `clicks`; or turn the \
+         target as the source stands"
     );
     Some(Reason {
         level: match proposal.figures.number("agreement") {
