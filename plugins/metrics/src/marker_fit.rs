@@ -66,7 +66,7 @@ impl Metric for MarkerFit {
             Statistic::new(
                 "mirror_gain",
                 "ratio",
-                "√((r₊ + 0.01) / (r₋ + 0.01)): above 1 a reflection fits better than a rotation. None where markers of both differ by more than 0.2 of their spread either way: the shapes rest in other poses.",
+                "√((r₊ + 0.01) / (r₋ + 0.01)): above 1 a reflection fits better than a rotation; none for shapes that rest in other poses.",
             ),
             Statistic::new(
                 "outlier",

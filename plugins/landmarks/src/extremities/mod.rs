@@ -173,9 +173,6 @@ impl Extremities {
             matches.retain(|found| found.pairs.len() >= MIN_COUNT);
             let readings = reader.readings(&matches)?;
             let is_enough = |best: &Reading<'_>| best.pairs.len() >= given + MIN_COUNT && best.agreement() >= least;
-            if let Some(best) = readings.first() {
-                eprintln!("{} {} {:?}", best.agreement(), best.pairs.len(), best.found.frames.turn());
-            }
             if readings.first().is_some_and(is_enough) {
                 return Ok(proposal(&source, &target, &matches, readings, given));
             }

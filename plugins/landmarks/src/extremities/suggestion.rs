@@ -17,14 +17,10 @@ const MOST: f64 = 0.1;
 /// What lies this near, in diagonals, is settled by the same click.
 const AROUND: f64 = 0.05;
 
-/// A place counts by the area this near, in diagonals, up to that of a disc: a click on a tail or an ear settles little of the surface.
-const REACH: f64 = 0.1;
-
 /// What a place counts where the fits agree, so that clicks spread over the surface; one where they disagree entirely counts 1 more.
 const EVERYWHERE: f64 = 0.25;
 
-/// The vertex of the source's proxy with the largest product of its distance to known points, of the disagreement around it and of the
-/// area that it speaks for.
+/// The vertex of the source's proxy with the largest product of its distance to known points and of the disagreement around it.
 ///
 /// # Errors
 ///
@@ -38,23 +34,19 @@ pub fn suggest(
     let known: Vec<Point3<f64>> =
         pair.markers.iter().map(|marker| marker.source.position(pair.source, &pair.source.positions)).collect();
     let positions = &side.surface.positions;
-    let near = |v: usize, radius: f64| {
-        (0..positions.len()).filter(move |&u| (positions[u] - positions[v]).norm() <= radius * side.diagonal)
-    };
     let doubt = |v: usize| {
         let comparison = comparison?;
-        let (all, apart) = near(v, AROUND).fold((0.0, 0.0), |(all, apart), u| {
+        let near = (0..positions.len()).filter(|&u| (positions[u] - positions[v]).norm() <= AROUND * side.diagonal);
+        let (all, apart) = near.fold((0.0, 0.0), |(all, apart), u| {
             let own = comparison.source_vertices[u].0 / side.diagonal;
             (all + side.mass[u], apart + side.mass[u] * own.min(MOST))
         });
         Some(if all > 0.0 { apart / all } else { 0.0 })
     };
-    let disc = std::f64::consts::PI * (REACH * side.diagonal).powi(2);
-    let weight = |v: usize| (near(v, REACH).map(|u| side.mass[u]).sum::<f64>() / disc).min(1.0);
     let rated = |v: usize| {
         let distance = known.iter().map(|place| (positions[v] - place).norm() / side.diagonal).fold(1.0, f64::min);
         let doubt = doubt(v);
-        (distance * (EVERYWHERE + doubt.unwrap_or(0.0) / MOST) * weight(v), v, doubt)
+        (distance * (EVERYWHERE + doubt.unwrap_or(0.0) / MOST), v, doubt)
     };
     let best = (0..positions.len()).into_par_iter().map(rated).max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)));
     let Some((_, vertex, doubt)) = best.filter(|(rate, ..)| *rate > 0.0) else { return Ok(None) };
