@@ -123,7 +123,7 @@ fn shapes_without_limbs_are_refused_with_a_way_out() {
     for round in [meshes::icosphere(3), meshes::bar([9, 3, 2], [3.0, 0.9, 0.7])] {
         let error = propose(&horse, &round).unwrap_err();
         assert!(error.to_string().starts_with("the target has "), "{error}");
-        assert!(error.hint().is_some_and(|hint| hint.contains("markers by hand")), "{error}");
+        assert!(error.hint().is_some_and(|hint| hint.contains("points by hand")), "{error}");
     }
 }
 
