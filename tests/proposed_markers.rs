@@ -13,8 +13,8 @@ use nalgebra::Point3;
 use named_animals::{Animal, animal};
 use serde_json::{Value, json};
 
-/// A pipeline with `markers` as given, run to its report.
-fn run(project: &Project, markers: &str) -> Value {
+/// Writes a pipeline with `markers` as given, from a horse to a camel.
+fn write_pipeline(project: &Project, markers: &str) {
     project.write(
         "p.yaml",
         &format!(
@@ -24,6 +24,11 @@ fn run(project: &Project, markers: &str) -> Value {
              output: out/{{pose}}.obj\n"
         ),
     );
+}
+
+/// That pipeline, run to its report.
+fn run(project: &Project, markers: &str) -> Value {
+    write_pipeline(project, markers);
     let output = project.mimesh(&["run", "p.yaml", "--json"]);
     assert_eq!(output.status, 0, "{}", output.stderr);
     serde_json::from_str(&output.stdout).expect("a report")
@@ -118,15 +123,7 @@ fn a_program_proposes_markers_only_where_it_is_allowed() {
     );
     let ran = project.path("ran");
     let markers = "{ type: external, command: [python3, matcher.py, '{source}', '{target}'] }";
-    project.write(
-        "p.yaml",
-        &format!(
-            "source: {{ generator: {{ type: quadruped, frames: 1, resolution: 30 }} }}\n\
-             target: {{ generator: {{ type: quadruped, proportions: camel, frames: 1, resolution: 30, seed: 1 }} }}\n\
-             markers: {markers}\ncorrespondence: {{ type: nonrigid_fit }}\ntransfer: {{ type: gradient }}\n\
-             output: out/{{pose}}.obj\n"
-        ),
-    );
+    write_pipeline(&project, markers);
     for command in ["check", "plan", "run"] {
         let output = project.mimesh(&[command, "p.yaml"]);
         assert!(!ran.exists(), "{command} ran it");

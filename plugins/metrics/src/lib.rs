@@ -39,6 +39,7 @@ pub mod self_intersections;
 pub mod source_motion;
 pub mod volume;
 
+mod at_rest;
 mod component_pairs;
 mod component_tears;
 mod crossing;

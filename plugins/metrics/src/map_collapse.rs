@@ -5,14 +5,14 @@ use mimesh_core::{
     mesh::{Surface, SurfacePoint},
     register,
     spatial::Nearest,
-    stage::{BoundMetric, Measured, Metric, MetricContext, MetricInput, Statistic, TransferPair, TriangleMap},
+    stage::{BoundMetric, Measured, Metric, MetricContext, Statistic, TransferPair, TriangleMap},
 };
 use nalgebra::Point3;
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::{diagonal, distribution::Distribution, vertex_field};
+use crate::{at_rest::AtRest, diagonal, distribution::Distribution, vertex_field};
 
 register!(Metric: MapCollapse);
 
@@ -53,7 +53,7 @@ impl Metric for MapCollapse {
             (Some(pair), Some(map)) => collapse(context, pair, map)?,
             _ => Measured::default(),
         };
-        Ok(Box::new(Bound { context, measured }))
+        Ok(AtRest::boxed(context, measured))
     }
 
     fn statistics(&self) -> Vec<Statistic> {
@@ -79,18 +79,6 @@ impl Metric for MapCollapse {
 
     fn is_of_rest(&self) -> bool {
         true
-    }
-}
-
-struct Bound<'a> {
-    context: MetricContext<'a>,
-    measured: Measured,
-}
-
-impl BoundMetric for Bound<'_> {
-    fn measure(&self, input: MetricInput<'_>) -> Result<Measured> {
-        self.context.check(&input)?;
-        Ok(self.measured.clone())
     }
 }
 
@@ -175,7 +163,7 @@ fn field(surface: &Surface, diagonal: f64, measured: &[(&Place, f64)]) -> Result
 
 #[cfg(test)]
 mod tests {
-    use mimesh_core::{mesh::Mesh, testkit::meshes};
+    use mimesh_core::{mesh::Mesh, stage::MetricInput, testkit::meshes};
 
     use super::*;
     use crate::testing::assert_statistic;

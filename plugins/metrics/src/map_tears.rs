@@ -4,12 +4,13 @@ use mimesh_core::{
     Figures, Result,
     mesh::{Surface, SurfacePoint},
     register,
-    stage::{BoundMetric, Measured, Metric, MetricContext, MetricInput, Statistic, TransferPair, TriangleMap},
+    stage::{BoundMetric, Measured, Metric, MetricContext, Statistic, TransferPair, TriangleMap},
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::{
+    at_rest::AtRest,
     component_pairs,
     component_tears::{self, Neighbours},
     diagonal,
@@ -47,7 +48,7 @@ impl Metric for MapTears {
             (Some(pair), Some(map)) => tears(context, pair, map)?,
             _ => Measured::default(),
         };
-        Ok(Box::new(Bound { context, measured }))
+        Ok(AtRest::boxed(context, measured))
     }
 
     fn statistics(&self) -> Vec<Statistic> {
@@ -68,7 +69,8 @@ impl Metric for MapTears {
     }
 
     fn fault(&self) -> &'static str {
-        "neighbours on the target follow distant places of the source: look at the colours of the map, and give a marker there"
+        "neighbours on the target follow distant places of the source: look at the colours of the map, and give a marker \
+         there"
     }
 
     fn needs_map(&self) -> bool {
@@ -81,18 +83,6 @@ impl Metric for MapTears {
 
     fn is_of_rest(&self) -> bool {
         true
-    }
-}
-
-struct Bound<'a> {
-    context: MetricContext<'a>,
-    measured: Measured,
-}
-
-impl BoundMetric for Bound<'_> {
-    fn measure(&self, input: MetricInput<'_>) -> Result<Measured> {
-        self.context.check(&input)?;
-        Ok(self.measured.clone())
     }
 }
 
@@ -172,7 +162,7 @@ fn mean_edge(surface: &Surface) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use mimesh_core::{mesh::Mesh, testkit::meshes};
+    use mimesh_core::{mesh::Mesh, stage::MetricInput, testkit::meshes};
 
     use super::*;
     use crate::testing::assert_statistic;

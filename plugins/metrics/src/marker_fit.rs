@@ -3,13 +3,14 @@
 use mimesh_core::{
     Figures, Result, register,
     spatial::{MIRRORED, mirror_gain, whitened},
-    stage::{BoundMetric, Measured, Metric, MetricContext, MetricInput, Statistic, TransferPair},
+    stage::{BoundMetric, Measured, Metric, MetricContext, Statistic, TransferPair},
 };
 use nalgebra::{DMatrix, Point3, Vector3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::{
+    at_rest::AtRest,
     diagonal,
     distribution::{Distribution, first_largest},
 };
@@ -56,7 +57,9 @@ impl Metric for MarkerFit {
             let [source, target] = map.sample(pair)?;
             set_mirrored(mirror_gain(&source, &target), &mut statistics);
         }
-        Ok(Box::new(Bound { context, statistics }))
+        let worst = statistics.number("worst").and_then(|worst| context.pair?.markers.get(worst as usize));
+        let about = worst.map(|marker| ("outlier", format!("marker {}", marker.name))).into_iter().collect();
+        Ok(AtRest::boxed(context, Measured { statistics, about, ..Measured::default() }))
     }
 
     fn statistics(&self) -> Vec<Statistic> {
@@ -66,7 +69,8 @@ impl Metric for MarkerFit {
             Statistic::new(
                 "mirror_gain",
                 "ratio",
-                "√((r₊ + 0.01) / (r₋ + 0.01)): above 1 a reflection fits better than a rotation; none for shapes that rest in other poses.",
+                "√((r₊ + 0.01) / (r₋ + 0.01)): above 1 a reflection fits better than a rotation; none where \
+                 neither fits.",
             ),
             Statistic::new(
                 "outlier",
@@ -90,21 +94,6 @@ impl Metric for MarkerFit {
 
     fn is_of_rest(&self) -> bool {
         true
-    }
-}
-
-struct Bound<'a> {
-    context: MetricContext<'a>,
-    statistics: Figures,
-}
-
-impl BoundMetric for Bound<'_> {
-    fn measure(&self, input: MetricInput<'_>) -> Result<Measured> {
-        self.context.check(&input)?;
-        let worst = self.statistics.number("worst").map(|worst| worst as usize);
-        let marker = self.context.pair.zip(worst).and_then(|(pair, worst)| pair.markers.get(worst));
-        let about = marker.map(|marker| ("outlier", format!("marker {}", marker.name))).into_iter().collect();
-        Ok(Measured { statistics: self.statistics.clone(), about, ..Measured::default() })
     }
 }
 
@@ -180,7 +169,7 @@ fn misfits(source: &[Point3<f64>], target: &[Point3<f64>]) -> Option<Vec<Misfit>
 mod tests {
     use mimesh_core::{
         mesh::{Mesh, Surface, SurfacePoint},
-        stage::Marker,
+        stage::{Marker, MetricInput},
         testkit::meshes,
     };
 

@@ -5,15 +5,15 @@ use mimesh_core::{
     mesh::Surface,
     operators::voronoi_mass,
     register,
-    spatial::{Nearest, Orientation, Similarity},
-    stage::{BoundMetric, Measured, Metric, MetricContext, MetricInput, Statistic, TransferPair, TriangleMap},
+    spatial::{Nearest, Orientation, Similarity, angle_between},
+    stage::{BoundMetric, Measured, Metric, MetricContext, Statistic, TransferPair, TriangleMap},
 };
 use nalgebra::{Matrix3, Point3};
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::{diagonal, distribution::Distribution, vertex_field};
+use crate::{at_rest::AtRest, diagonal, distribution::Distribution, vertex_field};
 
 register!(Metric: RestDifference);
 
@@ -48,7 +48,7 @@ impl Metric for RestDifference {
             (Some(pair), Some(map)) => difference(context, pair, map)?,
             _ => Measured::default(),
         };
-        Ok(Box::new(Bound { context, measured }))
+        Ok(AtRest::boxed(context, measured))
     }
 
     fn statistics(&self) -> Vec<Statistic> {
@@ -62,7 +62,8 @@ impl Metric for RestDifference {
     }
 
     fn fault(&self) -> &'static str {
-        "limbs rest in other directions, as arms that hang and arms stretched out, and stay off by as much in every pose: let one mesh rest as the other, by `rest: { file: FILE, pose: NAME }` or `rest: { file: FILE, clip: NAME, time: 0 }`"
+        "limbs rest in other directions, as arms that hang and arms stretched out, and stay off by as much in every pose: let \
+         one mesh rest as the other, by `rest: { file: FILE, pose: NAME }` or `rest: { file: FILE, clip: NAME, time: 0 }`"
     }
 
     fn needs_map(&self) -> bool {
@@ -78,18 +79,6 @@ impl Metric for RestDifference {
     }
 }
 
-struct Bound<'a> {
-    context: MetricContext<'a>,
-    measured: Measured,
-}
-
-impl BoundMetric for Bound<'_> {
-    fn measure(&self, input: MetricInput<'_>) -> Result<Measured> {
-        self.context.check(&input)?;
-        Ok(self.measured.clone())
-    }
-}
-
 /// The statistics and the field of a map at rest.
 ///
 /// # Errors
@@ -102,7 +91,7 @@ fn difference(context: MetricContext<'_>, pair: TransferPair<'_>, map: &Triangle
     let all: Vec<usize> = (0..places.count()).collect();
     let Some(whole) = places.rotation(&all) else { return Ok(Measured::default()) };
     let step = places.count().div_ceil(MAX_PLACES[0]).max(1);
-    let angle = |k: usize| Some((k, angle(&whole, &places.rotation(&places.around(k))?)));
+    let angle = |k: usize| Some((k, angle_between(&whole, &places.rotation(&places.around(k))?)));
     let angles: Vec<(usize, f64)> = (0..places.count()).into_par_iter().step_by(step).filter_map(angle).collect();
     let weighted = angles.iter().map(|&(k, angle)| (angle, places.mass[k]));
     let Some(distribution) = Distribution::weighted(weighted) else { return Ok(Measured::default()) };
@@ -176,14 +165,9 @@ impl Places {
     }
 }
 
-/// The angle between two rotations, in degrees.
-fn angle(a: &Matrix3<f64>, b: &Matrix3<f64>) -> f64 {
-    (((a * b.transpose()).trace() - 1.0) / 2.0).clamp(-1.0, 1.0).acos().to_degrees()
-}
-
 #[cfg(test)]
 mod tests {
-    use mimesh_core::{mesh::Mesh, testkit::meshes};
+    use mimesh_core::{mesh::Mesh, stage::MetricInput, testkit::meshes};
     use nalgebra::{Rotation3, Vector3};
 
     use super::*;

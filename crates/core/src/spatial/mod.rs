@@ -11,5 +11,5 @@ pub use closest_point::{ClosestPoint, OnSurface};
 pub use edge_paths::EdgePaths;
 pub use handedness::{MIRRORED, mirror_gain, whitened};
 pub use nearest::Nearest;
-pub use similarity::{Orientation, Oriented, Similarity, Taken};
+pub use similarity::{Orientation, Oriented, Similarity, Taken, angle_between};
 pub use surface_distance::{DistanceSearch, SurfaceDistance};

@@ -130,8 +130,13 @@ impl Similarity {
 
     /// Angle of R in degrees, 0 to 180.
     pub fn angle_degrees(&self) -> f64 {
-        ((self.rotation.trace() - 1.0) / 2.0).clamp(-1.0, 1.0).acos().to_degrees()
+        angle_between(&self.rotation, &Matrix3::identity())
     }
+}
+
+/// The angle between two rotations in degrees, 0 to 180.
+pub fn angle_between(a: &Matrix3<f64>, b: &Matrix3<f64>) -> f64 {
+    (((a * b.transpose()).trace() - 1.0) / 2.0).clamp(-1.0, 1.0).acos().to_degrees()
 }
 
 /// Moments of weighted pairs of points.

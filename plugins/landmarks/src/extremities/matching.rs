@@ -1,5 +1,6 @@
 //! Which limb of one shape is which of another, under turns of their axes.
 
+use mimesh_core::spatial::angle_between;
 use nalgebra::{Matrix3, Vector3, Vector6};
 use rayon::prelude::*;
 use schemars::JsonSchema;
@@ -8,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::{
     assignment::assign,
     shape::Shape,
-    turn::{Frames, angle, in_box, nearest_rotation, principal_axes, quarter_turns},
+    turn::{Frames, in_box, nearest_rotation, principal_axes, quarter_turns},
 };
 
 /// Fewer pairs say too little.
@@ -154,7 +155,7 @@ fn fitted(source: &Shape, target: &Shape, found: &Match) -> Option<Frames> {
     let from: Vec<_> = found.pairs.iter().map(|pair| tip(source, pair.source)).collect();
     let to: Vec<_> = found.pairs.iter().map(|pair| tip(target, pair.target)).collect();
     let turn = nearest_rotation(&from, &to)?;
-    let is_quarter = quarter_turns().iter().any(|quarter| angle(quarter, &turn) < MIN_ANGLE);
+    let is_quarter = quarter_turns().iter().any(|quarter| angle_between(quarter, &turn) < MIN_ANGLE);
     (!is_quarter).then(|| Frames { source: Matrix3::identity(), target: turn.transpose() })
 }
 

@@ -1,5 +1,6 @@
 //! Shapes without limbs, as faces: where they lie alike, points at the same place correspond.
 
+use mimesh_core::spatial::angle_between;
 use nalgebra::{Matrix3, Point3};
 use rayon::prelude::*;
 
@@ -7,7 +8,7 @@ use super::{
     matching::{Match, distances, with_normals},
     shape::Shape,
     tips::Tip,
-    turn::{Frames, angle, in_box, principal_axes, quarter_turns},
+    turn::{Frames, in_box, principal_axes, quarter_turns},
 };
 
 /// Frames whose turns differ by less than this, in degrees, are one.
@@ -38,7 +39,7 @@ pub fn alike(source: &Shape, target: &Shape) -> Vec<Match> {
     all.sort_by(|a, b| a.overlap.total_cmp(&b.overlap));
     let mut distinct: Vec<Match> = Vec::new();
     for found in all.into_iter().filter(|found| found.overlap <= MAX_OVERLAP) {
-        if distinct.iter().all(|other| angle(&other.frames.turn(), &found.frames.turn()) > SAME_TURN) {
+        if distinct.iter().all(|other| angle_between(&other.frames.turn(), &found.frames.turn()) > SAME_TURN) {
             distinct.push(found);
         }
     }

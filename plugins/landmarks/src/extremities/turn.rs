@@ -39,11 +39,6 @@ impl Frames {
     }
 }
 
-/// The angle between two rotations, in degrees.
-pub fn angle(a: &Matrix3<f64>, b: &Matrix3<f64>) -> f64 {
-    (((a * b.transpose()).trace() - 1.0) / 2.0).clamp(-1.0, 1.0).acos().to_degrees()
-}
-
 /// The rotation that takes the axes along which `places` spread, most first, to x, y and z.
 pub fn principal_axes(places: &[Point3<f64>]) -> Matrix3<f64> {
     let mean = places.iter().map(|p| p.coords).sum::<Vector3<f64>>() / places.len() as f64;
