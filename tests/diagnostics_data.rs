@@ -34,7 +34,8 @@ fn a_pose_with_another_face_list() {
     assert_eq!(
         output.stderr,
         "error: pose-2.obj: polygon 2 (from 0) differs: pose has vertices [1, 5, 4, 0], the rest mesh [0, 1, 5, 4]\n  \
-         hint: a pose has the vertices and polygons of the rest mesh in the same order; export both with one setting\n"
+         hint: a pose has the vertices and polygons of the rest mesh in the same order; export both with one setting, \
+         or write `poses: { files: …, same_vertices: true }` if its vertices are in that order\n"
     );
     assert_eq!(output.status, 65);
 }

@@ -50,7 +50,7 @@ impl Rest {
     pub fn selection(&self) -> Selection {
         let pose = self.pose.clone().map(RestShape::Pose);
         let rest = self.clip_shape().or(pose).unwrap_or_default();
-        Selection { meshes: self.meshes(), rest, poses: PoseChoice::Nothing, keep_document: false }
+        Selection { meshes: self.meshes(), rest, poses: PoseChoice::Nothing, ..Selection::default() }
     }
 
     /// The time in a clip that the file is asked for, if one is named.

@@ -2,21 +2,29 @@
 //!
 //! | type | extension | in | out |
 //! |---|---|---|---|
-//! | [`obj`](Obj) | obj | polygons, normals, texture coordinates, groups, materials | one file a pose |
+//! | [`obj`](Obj) | obj | polygons, normals, texture coordinates, colours of vertices, groups, materials with images | one file a pose |
 //! | [`glb`](Glb), [`gltf`](Gltf) | glb, gltf | meshes of the scene, morph targets as poses | one file with all poses |
-//! | [`ply`](Ply) | ply | polygons; normals, texture coordinates, colours of vertices | one file a pose |
-//! | [`stl`](Stl) | stl | triangles | |
+//! | [`ply`](Ply) | ply | polygons, strips; normals, texture coordinates, colours of vertices and faces | one file a pose |
+//! | [`off`](Off) | off | polygons; normals, texture coordinates, colours of vertices and faces | one file a pose |
+//! | [`stl`](Stl) | stl | triangles | one file a pose |
 //!
 //! Texture coordinates have their origin at the lower left, whatever the file says.
 
+mod attributes;
+mod encoding;
+mod extras;
 mod gltf;
+mod lost;
 mod normals;
 mod number;
 mod obj;
+mod off;
+mod paths;
 mod ply;
 mod stl;
 
 pub use gltf::{Glb, Gltf, LengthUnit, PoseAnimation, UpAxis};
 pub use obj::Obj;
+pub use off::Off;
 pub use ply::{Encoding, Ply, Precision};
 pub use stl::Stl;

@@ -32,8 +32,8 @@ fn furnished() -> Mesh {
     };
     mesh.parts = vec![part("left", Some("red"), 0..4), part("left", None, 4..8), part("right", Some("glass"), 8..16)];
     mesh.materials = vec![
-        Material { name: "red".into(), base_color: [1.0, 0.25, 0.0, 1.0] },
-        Material { name: "glass".into(), base_color: [0.0, 0.5, 1.0, 0.5] },
+        Material { name: "red".into(), base_color: [1.0, 0.25, 0.0, 1.0], ..Material::default() },
+        Material { name: "glass".into(), base_color: [0.0, 0.5, 1.0, 0.5], ..Material::default() },
     ];
     let uv = |corner: usize| [corner as f64 / count as f64, if corner < 16 { 0.25 } else { 0.75 }];
     mesh.texture_coordinates =
@@ -270,4 +270,66 @@ proptest! {
             sequence.poses.iter().for_each(|pose| assert_eq!(pose.positions.get().len(), sequence.rest.positions.len()));
         }
     }
+}
+
+#[test]
+fn an_obj_brings_its_textures_and_its_colours() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    std::fs::create_dir(at("tex")).unwrap();
+    let (png, jpeg) = (b"\x89PNG\r\n\x1a\nskin".to_vec(), b"\xff\xd8\xff\xe0eyes".to_vec());
+    std::fs::write(at("tex/my skin.png"), &png).unwrap();
+    std::fs::write(at("eyes.jpg"), &jpeg).unwrap();
+    std::fs::write(at("old.tga"), b"\0\0\x02").unwrap();
+    let library = "newmtl skin\nKd 0 0 0\nd 0.5\nmap_Kd -s 1 1 1 tex\\my skin.png\nnewmtl eyes\nKd 1 1 1\nmap_Kd C:\\Users\\me\\eyes.jpg\n\
+        newmtl old\nKd 0.25 0.5 1\nmap_Kd old.tga\nnewmtl gone\nKd 1 0 0\nmap_Kd gone.png\n";
+    std::fs::write(at("a.mtl"), library).unwrap();
+    let faces = ["skin", "eyes", "old", "gone"].map(|name| format!("usemtl {name}\nf 1/1 2/1 3/1\n")).concat();
+    std::fs::write(
+        at("a.obj"),
+        format!("mtllib a.mtl\nv 0 0 0 1 0.5 0\nv 1 0 0 1 1 1\nv 0 1 0 0 0 0\nvt 0 0\n{faces}"),
+    )
+    .unwrap();
+    let selection = Selection { keep_document: true, ..Selection::default() };
+    let mesh = Obj::default().read(&input(at("a.obj")), &selection).unwrap().rest;
+
+    let glb = Glb::default();
+    let Some(MeshWriter::Sequence(sequence)) = glb.writer() else { unreachable!("glTF holds sequences") };
+    let warnings = sequence.start(&mesh).unwrap().warnings();
+    assert_eq!(warnings.len(), 2, "{warnings:?}");
+    assert!(warnings[0].starts_with("texture left out: `old.tga` is neither PNG nor JPEG"), "{warnings:?}");
+    assert!(warnings[1].starts_with("texture left out: `gone.png` cannot be read"), "{warnings:?}");
+    let bytes = write_all(&glb, &mesh, &poses_of_three(&mesh));
+    let length = u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;
+    let json: serde_json::Value = serde_json::from_slice(&bytes[20..20 + length]).unwrap();
+    let binary = &bytes[28 + length..];
+    for (number, (name, kind, contents)) in
+        [("my skin.png", "image/png", &png), ("eyes.jpg", "image/jpeg", &jpeg)].into_iter().enumerate()
+    {
+        let image = &json["images"][number];
+        assert_eq!((image["name"].as_str(), image["mimeType"].as_str()), (Some(name), Some(kind)));
+        let view = &json["bufferViews"][image["bufferView"].as_u64().unwrap() as usize];
+        let start = view["byteOffset"].as_u64().unwrap() as usize;
+        assert_eq!(&binary[start..start + view["byteLength"].as_u64().unwrap() as usize], &contents[..]);
+        assert_eq!(json["textures"][number]["source"], number);
+    }
+    let looks = |number: usize| &json["materials"][number]["pbrMetallicRoughness"];
+    // The image stands in the place of the colour; without one the colour stays.
+    assert_eq!(looks(0)["baseColorFactor"], serde_json::json!([1.0, 1.0, 1.0, 0.5]));
+    assert_eq!(looks(0)["baseColorTexture"]["index"], 0);
+    assert_eq!(looks(1)["baseColorTexture"]["index"], 1);
+    assert_eq!(looks(2)["baseColorFactor"], serde_json::json!([0.25, 0.5, 1.0, 1.0]));
+    assert!(looks(3)["baseColorTexture"].is_null());
+    let back = read(&glb, "a.glb", &bytes).unwrap().rest;
+    for (back, there) in back.vertex_colors.unwrap().iter().zip(mesh.vertex_colors.unwrap()) {
+        // f32 of a linear colour, whose inverse is at most 13 times as steep.
+        back.iter().zip(there).for_each(|(a, b)| assert!((a - b).abs() < 1e-6, "{back:?} {there:?}"));
+    }
+}
+
+/// One pose, in which the first vertex moves.
+fn poses_of_three(mesh: &Mesh) -> Vec<(&'static str, Vec<Point3<f64>>)> {
+    let mut moved = mesh.positions.clone();
+    moved[0].z += 0.5;
+    vec![("up", moved)]
 }

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use mimesh_core::{
     mesh::Part,
-    stage::{Format, Selection},
+    stage::{BytesInput, Format, MeshWriter, Selection},
     testkit::data::{data, input},
 };
 use mimesh_formats::Obj;
@@ -158,13 +158,111 @@ fn errors_name_line_element_and_a_way_out() {
         ("f 1 2 -4", "vertex index -4 is out of range: 3 vertices stand before this line\n"),
         ("f 1/1 2 3", "texture coordinate index 1 is out of range: the file has 0 texture coordinates\n"),
         ("f 1//1 2 3", "normal index 1 is out of range: the file has 0 normals\n"),
-        ("f 1 2", "face has 2 corners, expected at least 3\n"),
         ("f 1 2 c", "`c` is not a corner of a face\n"),
     ];
     for (face, expected) in faces {
         let error = message(&read(&Obj::default(), "a.obj", format!("{start}{face}").as_bytes()).unwrap_err());
         assert!(error.starts_with(&format!("a.obj:4: {expected}")), "{error}");
     }
+}
+
+#[test]
+fn faces_of_two_corners_stay_in_the_file_and_out_of_the_mesh() {
+    let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1\nf 1/1 2/1 3/1\nf 3 3\nf\n";
+    let sequence = read(&Obj::default(), "a.obj", text.as_bytes()).unwrap();
+    let mesh = &sequence.rest;
+    assert_eq!(mesh.polygons.corners(), [0, 1, 2]);
+    assert_eq!(mesh.texture_coordinates.as_ref().unwrap().indices, [Some(0); 3]);
+    let told = "3 faces have fewer than three corners (line 5): kept in the file and left out of the solve";
+    assert_eq!(sequence.warnings, [told]);
+    let posed: Vec<_> = mesh.positions.iter().map(|p| p + Vector3::new(0.0, 0.0, 1.0)).collect();
+    let written = String::from_utf8(write(&Obj::default(), mesh, &posed)).unwrap();
+    assert!(written.ends_with("f 1/1 2/1\nf 1/1 2/1 3/1\nf 3 3\nf\n"), "{written}");
+    // Such a face must name vertices all the same.
+    let error = message(&read(&Obj::default(), "a.obj", b"v 0 0 0\nf 1 2\n").unwrap_err());
+    assert!(error.starts_with("a.obj:2: vertex index 2 is out of range"), "{error}");
+}
+
+#[test]
+fn utf_16_is_read_as_pose_and_as_rest() {
+    let text = "o Köpfchen\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    for order in [u16::to_le_bytes as fn(u16) -> [u8; 2], u16::to_be_bytes] {
+        let bytes: Vec<u8> = "\u{feff}".encode_utf16().chain(text.encode_utf16()).flat_map(order).collect();
+        let sequence = read(&Obj::default(), "a.obj", &bytes).unwrap();
+        assert_eq!(sequence.warnings, ["the file is UTF-16 text: it is read, and results are written as UTF-8"]);
+        assert_eq!(sequence.rest.parts[0].object.as_deref(), Some("Köpfchen"));
+        assert_eq!(String::from_utf8(write(&Obj::default(), &sequence.rest, &sequence.rest.positions)).unwrap(), text);
+        let pose = Obj::default().read_pose(&BytesInput::new("b.obj", bytes), &Selection::default(), &sequence.rest);
+        assert_eq!(pose.unwrap(), sequence.rest.positions);
+    }
+}
+
+#[test]
+fn colours_behind_coordinates_are_colours_of_vertices() {
+    let colors = |text: &str| read(&Obj::default(), "a.obj", text.as_bytes()).unwrap().rest.vertex_colors;
+    let face = "f 1 2 3\n";
+    let unit = format!("v 0 0 0 1 .5 0\nv 1 0 0 0 0 0 .25\nv 0 1 0\n{face}");
+    assert_eq!(colors(&unit).unwrap(), [[1.0, 0.5, 0.0, 1.0], [0.0, 0.0, 0.0, 0.25], [1.0; 4]]);
+    let bytes = format!("v 0 0 0 255 51 0\nv 1 0 0 0 0 0\nv 0 1 0 0 0 0\n{face}");
+    assert_eq!(colors(&bytes).unwrap()[0], [1.0, 0.2, 0.0, 1.0]);
+    // A number alone is a weight of curves.
+    assert_eq!(colors(&format!("v 0 0 0 1\nv 1 0 0 1\nv 0 1 0 1\n{face}")), None);
+}
+
+#[test]
+fn a_material_library_is_found_from_another_folder() {
+    let top = tempfile::tempdir().unwrap();
+    let (models, results) = (top.path().join("models"), top.path().join("out/deep"));
+    std::fs::create_dir_all(models.join("mats")).unwrap();
+    std::fs::create_dir_all(&results).unwrap();
+    std::fs::write(models.join("my colours.mtl"), "newmtl red\nKd 1 0.5 0\n").unwrap();
+    std::fs::write(models.join("mats/b.mtl"), "newmtl blue\nKd 0 0 1\n").unwrap();
+    let text = "# head\nmtllib my colours.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nmtllib mats\\b.mtl\nmtllib none.mtl\n\
+        usemtl red\nf 1//1 2//1 3//1\nusemtl blue\nf 3//1 2//1 1//1\nmtllib mats/b.mtl\n";
+    let path = models.join("a.obj");
+    std::fs::write(&path, text).unwrap();
+    let mesh = read_file(&Obj::default(), &path).rest;
+    let obj = Obj::default();
+    let Some(MeshWriter::Pose(writer)) = obj.writer() else { unreachable!("an OBJ holds one pose") };
+    let written = |folder: &Path| {
+        let mut out = Vec::new();
+        writer.write_in(folder, &mesh, &mesh.positions, &mut out).unwrap();
+        String::from_utf8(out).unwrap()
+    };
+    assert_eq!(written(&models), text);
+    assert_eq!(writer.warnings(&models, &mesh), Vec::<String>::new());
+    let expected = text
+        .replace("mtllib my", "mtllib ../../models/my")
+        .replace("mtllib mats\\b", "mtllib ../../models/mats/b")
+        .replace("mtllib mats/b", "mtllib ../../models/mats/b");
+    assert_eq!(written(&results), expected);
+    let told = writer.warnings(&results, &mesh);
+    assert_eq!(told.len(), 1);
+    assert!(told[0].contains("../../models/my colours.mtl, ../../models/mats/b.mtl"), "{told:?}");
+    // The library is read from there.
+    let result = results.join("a.obj");
+    std::fs::write(&result, expected).unwrap();
+    assert_eq!(read_file(&Obj::default(), &result).rest.materials, mesh.materials);
+}
+
+#[test]
+fn a_pose_of_the_same_vertices_may_have_other_faces_or_none() {
+    let rest = read(&Obj::default(), "rest.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap().rest;
+    let pose = |text: &str, same_vertices| {
+        let selection = Selection { same_vertices, ..Selection::default() };
+        Obj::default().read_pose(&BytesInput::new("pose.obj", text), &selection, &rest)
+    };
+    for faces in ["", "f 2 3 1\n", "f 9 9 9\nf x\n"] {
+        let text = format!("v 5 0 0\nv 1 0 0\nv 0 1 0\n{faces}");
+        assert_eq!(pose(&text, true).unwrap()[0], Point3::new(5.0, 0.0, 0.0));
+        pose(&text, false).unwrap_err();
+    }
+    for text in ["v 5 0 0\nv 1 0 0\nv 0 1 0\n", "v 5 0 0\nv 1 0 0\nv 0 1 0\nf 2 3 1\n"] {
+        let error = message(&pose(text, false).unwrap_err());
+        assert!(error.contains("`poses: { files: …, same_vertices: true }`"), "{error}");
+    }
+    let error = message(&pose("v 5 0 0\n", true).unwrap_err());
+    assert!(error.starts_with("pose.obj: pose has 1 vertices, the rest mesh 3\n"), "{error}");
 }
 
 #[test]

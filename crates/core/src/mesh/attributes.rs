@@ -1,4 +1,4 @@
-use std::ops::Range;
+use std::{ops::Range, sync::Arc};
 
 /// Values attached to the corners of polygons, e.g. texture coordinates: a table and an index a corner.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -23,10 +23,21 @@ pub struct Part {
 }
 
 /// The look of a part, as far as it survives between formats.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Material {
     /// The name that parts use.
     pub name: String,
     /// Linear red, green, blue, opacity, each 0 to 1.
     pub base_color: [f64; 4],
+    /// The image whose colours, by texture coordinates, stand in the place of the base colour's red, green and blue.
+    pub base_color_image: Option<Arc<Image>>,
+}
+
+/// An image that a material shows.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Image {
+    /// The name by which its file is called.
+    pub name: String,
+    /// The contents of its file, or why they cannot be had.
+    pub contents: Result<Vec<u8>, String>,
 }

@@ -22,7 +22,7 @@ mod surface_point;
 mod topology;
 mod weld;
 
-pub use attributes::{CornerAttribute, Material, Part};
+pub use attributes::{CornerAttribute, Image, Material, Part};
 pub use bounds::{bounding_box, check_finite, diagonal};
 pub use frames::poses_are_frames;
 pub use mesh_point::MeshPoint;

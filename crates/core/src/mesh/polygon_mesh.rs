@@ -20,6 +20,8 @@ pub struct Mesh {
     pub texture_coordinates: Option<CornerAttribute<[f64; 2]>>,
     /// Normals of the corners, if the file gives them.
     pub normals: Option<CornerAttribute<[f64; 3]>>,
+    /// Red, green, blue (sRGB) and opacity of the vertices, #V × 4, each 0 to 1, if the file gives them.
+    pub vertex_colors: Option<Vec<[f64; 4]>>,
     /// Runs of polygons with one object, group and material name; they cover the polygons in order.
     pub parts: Vec<Part>,
     /// The materials that parts name, as far as they are known.

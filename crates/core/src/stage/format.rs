@@ -13,12 +13,25 @@ use crate::{
 /// # Contract
 ///
 /// - what it writes it reads back: positions to the format's precision, polygons and their order exactly;
-/// - vertex order and count are those of the mesh;
+/// - vertex order and count are those of the mesh, unless [`keeps_vertices`](Self::keeps_vertices) says otherwise;
 /// - damaged input gives an error that names file and line or element, never a panic.
 #[typetag::serde(tag = "type")]
 pub trait Format: Debug + Send + Sync {
     /// Extensions in lower case without the dot, e.g. `["obj"]`.
     fn extensions(&self) -> &'static [&'static str];
+
+    /// Whether a file of `length` bytes that begins with `start` is certainly of this format, whatever it is called.
+    ///
+    /// `start` has the first 4096 bytes, or all of a shorter file. `None` if this format cannot tell: then every file with its extension
+    /// counts as its own.
+    fn recognises(&self, _start: &[u8], _length: u64) -> Option<bool> {
+        None
+    }
+
+    /// Whether written files keep vertices and polygons as the mesh has them; false if they hold nothing but triangles.
+    fn keeps_vertices(&self) -> bool {
+        true
+    }
 
     /// Reads the selected part of a file: a mesh, and its poses.
     ///
@@ -27,7 +40,8 @@ pub trait Format: Debug + Send + Sync {
     /// [`Error::Io`] if a file cannot be read, [`Error::File`] if its contents are not understood, or have no such part.
     fn read(&self, input: &dyn FileInput, selection: &Selection) -> Result<MeshSequence>;
 
-    /// Reads only the positions of a pose of `rest` (#V × 3), and checks that the file has its vertices and polygons.
+    /// Reads only the positions of a pose of `rest` (#V × 3), and checks that the file has its vertices, and its polygons unless the
+    /// selection has [`same_vertices`](Selection::same_vertices).
     ///
     /// # Errors
     ///
@@ -35,7 +49,10 @@ pub trait Format: Debug + Send + Sync {
     /// differs from `rest`.
     fn read_pose(&self, input: &dyn FileInput, selection: &Selection, rest: &Mesh) -> Result<Vec<Point3<f64>>> {
         let pose = self.read(input, selection)?.rest;
-        check_pose(input.path(), rest, pose.positions.len(), &pose.polygons)?;
+        match selection.same_vertices {
+            true => check_vertices(input.path(), rest, pose.positions.len())?,
+            false => check_pose(input.path(), rest, pose.positions.len(), &pose.polygons)?,
+        }
         Ok(pose.positions)
     }
 
@@ -57,6 +74,20 @@ pub trait Format: Debug + Send + Sync {
     }
 }
 
+/// Checks that a pose read from `path` has as many vertices as `rest`.
+///
+/// # Errors
+///
+/// [`Error::File`] that names both counts.
+pub fn check_vertices(path: &Path, rest: &Mesh, vertices: usize) -> Result<()> {
+    if vertices == rest.positions.len() {
+        return Ok(());
+    }
+    let message = format!("pose has {vertices} vertices, the rest mesh {}", rest.positions.len());
+    let hint = "a pose has the vertices and polygons of the rest mesh in the same order; export both with one setting";
+    Err(Error::file(path, message, hint))
+}
+
 /// Checks that a pose read from `path`, of `vertices` vertices and of `polygons`, is a pose of `rest`.
 ///
 /// # Errors
@@ -64,13 +95,11 @@ pub trait Format: Debug + Send + Sync {
 /// [`Error::File`] that names the counts, or the first polygon (from 0), in which they differ.
 pub fn check_pose(path: &Path, rest: &Mesh, vertices: usize, polygons: &Polygons) -> Result<()> {
     let differ = |message: String| {
-        let hint =
-            "a pose has the vertices and polygons of the rest mesh in the same order; export both with one setting";
+        let hint = "a pose has the vertices and polygons of the rest mesh in the same order; export both with one setting, \
+             or write `poses: { files: …, same_vertices: true }` if its vertices are in that order";
         Err(Error::file(path, message, hint))
     };
-    if vertices != rest.positions.len() {
-        return differ(format!("pose has {vertices} vertices, the rest mesh {}", rest.positions.len()));
-    }
+    check_vertices(path, rest, vertices)?;
     if polygons.len() != rest.polygons.len() {
         return differ(format!("pose has {} polygons, the rest mesh {}", polygons.len(), rest.polygons.len()));
     }

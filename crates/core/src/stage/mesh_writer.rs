@@ -1,4 +1,4 @@
-use std::io::Write;
+use std::{io::Write, path::Path};
 
 use nalgebra::Point3;
 
@@ -24,6 +24,26 @@ pub trait PoseWriter {
     ///
     /// Those of `out`; [`Error::Shape`] if the counts differ.
     fn write(&self, mesh: &Mesh, positions: &[Point3<f64>], out: &mut dyn Write) -> Result<(), WriteError>;
+
+    /// Writes a file that will lie in `folder`, so that its references to other files hold from there.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`write`](Self::write).
+    fn write_in(
+        &self,
+        _folder: &Path,
+        mesh: &Mesh,
+        positions: &[Point3<f64>],
+        out: &mut dyn Write,
+    ) -> Result<(), WriteError> {
+        self.write(mesh, positions, out)
+    }
+
+    /// Sentences about data of `mesh` that files in `folder` do not keep, or keep otherwise.
+    fn warnings(&self, _folder: &Path, _mesh: &Mesh) -> Vec<String> {
+        Vec::new()
+    }
 }
 
 /// A format that takes a rest mesh and its poses in one file.

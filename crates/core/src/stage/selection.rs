@@ -11,6 +11,8 @@ pub struct Selection {
     pub poses: PoseChoice,
     /// Whether to keep all of the file in [`Mesh::document`](crate::mesh::Mesh::document), for a writer of the same format.
     pub keep_document: bool,
+    /// Whether a pose needs the vertices of its rest mesh only, and its polygons do not matter.
+    pub same_vertices: bool,
 }
 
 /// The shape of a file that counts as its rest.

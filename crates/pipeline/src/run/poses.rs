@@ -105,6 +105,7 @@ impl<'a> PoseRunner<'a> {
             }
             posed.drain(..posed.len().saturating_sub(2));
         }
+        stream.warnings.extend(self.warnings_of_files());
         if stream.failed.len() < stream.poses.len() {
             for (path, writer) in sequences {
                 stream
@@ -119,6 +120,22 @@ impl<'a> PoseRunner<'a> {
             }
         }
         Ok(stream)
+    }
+
+    /// Sentences about what files of one pose each do not keep, once for all poses.
+    fn warnings_of_files(&self) -> Vec<String> {
+        let mut warnings = Vec::new();
+        for output in &self.prepared.outputs.meshes {
+            if let Output::Poses(paths) = output
+                && let Some(path) = paths.first()
+                && let Ok((format, _)) = self.prepared.formats.writer(path)
+                && let Some(MeshWriter::Pose(writer)) = format.writer()
+            {
+                let found = writer.warnings(folder_of(path), &self.prepared.target.sequence.rest);
+                warnings.extend(found.iter().map(|warning| format!("{}: {warning}", path.display())));
+            }
+        }
+        warnings
     }
 
     /// A writer for each file that takes all poses.
@@ -286,7 +303,7 @@ impl<'a> PoseRunner<'a> {
             {
                 let rest = &self.prepared.target.sequence.rest;
                 let write = |out: &mut dyn std::io::Write| {
-                    writer.write(rest, positions, out).map_err(|error| write_error(path, error))
+                    writer.write_in(folder_of(path), rest, positions, out).map_err(|error| write_error(path, error))
                 };
                 files.push(staging::stage(path, write).map_err(cannot_write)?);
             }
@@ -325,6 +342,11 @@ fn posed_target(
         Error::data(format!("result: {error}"), hint)
     })?;
     Ok(PosedTarget { positions, figures: transferred.figures })
+}
+
+/// The folder of a file.
+fn folder_of(path: &Path) -> &Path {
+    path.parent().unwrap_or(Path::new(""))
 }
 
 /// The error of writing `path`.

@@ -24,6 +24,30 @@ pub struct GltfDocument {
     pub resting: Vec<RestingNode>,
 }
 
+impl GltfDocument {
+    /// The names of what the file has and a mesh has no place for.
+    pub fn beyond_mesh(&self) -> Vec<&'static str> {
+        let list = |key: &str| self.json[key].as_array().is_some_and(|list| !list.is_empty());
+        let primitives = || {
+            let meshes = self.json["meshes"].as_array().into_iter().flatten();
+            meshes.flat_map(|mesh| mesh["primitives"].as_array().into_iter().flatten())
+        };
+        let attribute = |name: &str| primitives().any(|primitive| primitive["attributes"].get(name).is_some());
+        let found = [
+            ("skins", list("skins")),
+            ("animations", list("animations")),
+            (
+                "morph targets",
+                primitives().any(|primitive| primitive["targets"].as_array().is_some_and(|t| !t.is_empty())),
+            ),
+            ("textures", list("images")),
+            ("further colours of vertices", attribute("COLOR_1")),
+            ("further texture coordinates", attribute("TEXCOORD_1")),
+        ];
+        found.into_iter().filter(|(_, is_there)| *is_there).map(|(name, _)| name).collect()
+    }
+}
+
 /// A node where it is at rest.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RestingNode {

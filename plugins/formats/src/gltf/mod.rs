@@ -22,6 +22,7 @@ use mimesh_core::{
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+pub(crate) use document::GltfDocument;
 pub use write::{LengthUnit, PoseAnimation, UpAxis};
 
 use read::Asset;
@@ -105,6 +106,10 @@ impl Format for Glb {
         &["glb", "vrm"]
     }
 
+    fn recognises(&self, start: &[u8], _: u64) -> Option<bool> {
+        Some(start.starts_with(b"glTF"))
+    }
+
     fn read(&self, input: &dyn FileInput, selection: &Selection) -> Result<MeshSequence> {
         read::read(input, selection)
     }
@@ -137,6 +142,13 @@ impl SequenceFormat for Glb {
 impl Format for Gltf {
     fn extensions(&self) -> &'static [&'static str] {
         &["gltf"]
+    }
+
+    fn recognises(&self, start: &[u8], _: u64) -> Option<bool> {
+        let text = String::from_utf8_lossy(start);
+        let has = |key: &str| text.contains(key);
+        let is_object = text.trim_start_matches('\u{feff}').trim_start().starts_with('{');
+        Some(is_object && (has("\"asset\"") || has("\"accessors\"") || has("\"bufferViews\"")))
     }
 
     fn read(&self, input: &dyn FileInput, selection: &Selection) -> Result<MeshSequence> {

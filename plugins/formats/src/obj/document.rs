@@ -1,9 +1,9 @@
-use std::{fmt, ops::Range, sync::OnceLock};
+use std::{fmt, ops::Range, path::Path, sync::OnceLock};
 
 use mimesh_core::mesh::Mesh;
 use nalgebra::Point3;
 
-use super::lexer::Lexer;
+use super::{lexer::Lexer, libraries::LibraryLines};
 use crate::{normals::PosedNormals, number::Decimals};
 
 /// An OBJ as it was read, so that it can be written with other coordinates.
@@ -13,6 +13,8 @@ pub struct ObjDocument {
     vertex_lines: Vec<usize>,
     /// Where the fields of each `vn` line start.
     normal_lines: Vec<usize>,
+    /// The `mtllib` lines.
+    pub libraries: LibraryLines,
     layout: Layout,
     /// The numbers on the `v` lines.
     positions: Vec<Point3<f64>>,
@@ -28,6 +30,7 @@ impl ObjDocument {
         bytes: Vec<u8>,
         vertex_lines: Vec<usize>,
         normal_lines: Vec<usize>,
+        libraries: LibraryLines,
         layout: Layout,
         mesh: &Mesh,
     ) -> Self {
@@ -35,6 +38,7 @@ impl ObjDocument {
             bytes,
             vertex_lines,
             normal_lines,
+            libraries,
             layout,
             positions: mesh.positions.clone(),
             normals: mesh.normals.as_ref().map(|normals| normals.values.clone()).unwrap_or_default(),
@@ -50,8 +54,14 @@ impl ObjDocument {
 
     /// The file with `positions` (#V × 3) on its `v` lines, and with normals turned along if `turn_normals`.
     ///
-    /// Numbers that have not changed stay byte for byte.
-    pub fn with_positions(&self, mesh: &Mesh, positions: &[Point3<f64>], turn_normals: bool) -> Vec<u8> {
+    /// Numbers that have not changed stay byte for byte. Material libraries are named as from `folder`, if that is given.
+    pub fn with_positions(
+        &self,
+        folder: Option<&Path>,
+        mesh: &Mesh,
+        positions: &[Point3<f64>],
+        turn_normals: bool,
+    ) -> Vec<u8> {
         let normals = if turn_normals && !self.normals.is_empty() && positions != self.positions {
             let posed = self.posed_normals.get_or_init(|| PosedNormals::new(mesh, &self.positions));
             posed.of_values(mesh, positions)
@@ -64,16 +74,24 @@ impl ObjDocument {
 
         let mut patch = Patch::new(&self.bytes, self.layout.columns.is_some());
         let mut normal_lines = self.normal_lines.iter().zip(self.normals.iter().zip(&normals)).peekable();
-        let mut write_normals = |patch: &mut Patch, before: usize| {
+        let libraries = folder.map(|folder| self.libraries.moved_to(folder)).unwrap_or_default();
+        let mut libraries = libraries.into_iter().peekable();
+        let mut write_others = |patch: &mut Patch, before: usize| {
             while let Some((&line, (old, new))) = normal_lines.next_if(|(line, _)| **line < before) {
+                while let Some((place, names)) = libraries.next_if(|(place, _)| place.start < line) {
+                    patch.text(place, names.as_bytes());
+                }
                 patch.line(line, *old, *new, normal_decimals);
+            }
+            while let Some((place, names)) = libraries.next_if(|(place, _)| place.start < before) {
+                patch.text(place, names.as_bytes());
             }
         };
         for (&line, (old, new)) in self.vertex_lines.iter().zip(self.positions.iter().zip(positions)) {
-            write_normals(&mut patch, line);
+            write_others(&mut patch, line);
             patch.line(line, (*old).into(), (*new).into(), position_decimals);
         }
-        write_normals(&mut patch, usize::MAX);
+        write_others(&mut patch, usize::MAX);
         patch.finish()
     }
 }
@@ -157,6 +175,13 @@ impl<'a> Patch<'a> {
                 self.replace(field);
             }
         }
+    }
+
+    /// Puts `text` in the place of `range`.
+    fn text(&mut self, range: Range<usize>, text: &[u8]) {
+        self.out.extend_from_slice(&self.source[self.copied..range.start]);
+        self.out.extend_from_slice(text);
+        self.copied = range.end;
     }
 
     /// Puts `number` in the place of `field`; in aligned columns it ends where the old one did, if there is room.

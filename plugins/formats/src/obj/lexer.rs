@@ -79,11 +79,18 @@ impl<'a> Lexer<'a> {
 
     /// The rest of the line without blanks around it: a name, which may hold spaces and `#`.
     pub fn rest(&mut self) -> &'a [u8] {
+        let range = self.rest_range();
+        &self.bytes[range]
+    }
+
+    /// The place of [`rest`](Self::rest).
+    pub fn rest_range(&mut self) -> Range<usize> {
         let start = self.at;
         let line = &self.bytes[start..];
         let length = line.iter().position(|b| matches!(b, b'\n' | b'\r')).unwrap_or(line.len());
         self.at += length;
-        line[..length].trim_ascii()
+        let start = start + line[..length].len() - line[..length].trim_ascii_start().len();
+        start..start + self.bytes[start..self.at].trim_ascii_end().len()
     }
 
     /// Skips to the end of the statement.
@@ -120,6 +127,11 @@ impl<'a> Lexer<'a> {
         self.at += length;
         self.line += 1;
     }
+}
+
+/// A finite number.
+pub fn number(token: &[u8]) -> Option<f64> {
+    std::str::from_utf8(token).ok()?.parse().ok().filter(|x: &f64| x.is_finite())
 }
 
 #[cfg(test)]

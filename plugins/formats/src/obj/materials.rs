@@ -1,27 +1,53 @@
-use std::collections::HashSet;
+use std::{collections::HashSet, sync::Arc};
 
 use mimesh_core::{
     Error,
-    mesh::{Material, Part},
+    mesh::{Image, Material, Part},
     stage::FileInput,
 };
 
-/// The materials that `parts` name, from the libraries named on the `mtllib` lines of `input`.
+/// The materials of a file, and the names of its libraries that exist.
+#[derive(Debug, Default)]
+pub struct Libraries {
+    pub materials: Vec<Material>,
+    /// For each `mtllib` line the paths that it names, as they hold from the folder of the file; none if it has no library there.
+    pub names: Vec<Vec<String>>,
+}
+
+/// The materials that `parts` name, from the libraries named on the `mtllib` lines of `input`; with their images if `images`.
 ///
 /// A library that is missing, damaged or out of reach is a warning: no stage needs a colour.
-pub fn read(input: &dyn FileInput, lines: &[String], parts: &[Part], warnings: &mut Vec<String>) -> Vec<Material> {
+pub fn read(
+    input: &dyn FileInput,
+    lines: &[String],
+    parts: &[Part],
+    images: bool,
+    warnings: &mut Vec<String>,
+) -> Libraries {
     let mut wanted: HashSet<&str> = parts.iter().filter_map(|part| part.material.as_deref()).collect();
-    let mut materials = Vec::new();
-    for (library, bytes) in lines.iter().flat_map(|line| libraries(input, line)) {
-        match bytes.map_err(|error| reason(&error)).and_then(|bytes| parse(&bytes)) {
-            Ok(loaded) => materials.extend(loaded.into_iter().filter(|material| wanted.remove(material.name.as_str()))),
-            Err(problem) => warnings.push(format!(
-                "material library {} {problem}: materials keep their names but have no colour in other formats",
-                input.path_of(&library).display()
-            )),
+    let mut result = Libraries::default();
+    for line in lines {
+        let mut names = Vec::new();
+        for (library, bytes) in libraries(input, line) {
+            // A library out of reach is there all the same.
+            if matches!(bytes, Ok(_) | Err(Error::OutOfReach { .. })) {
+                names.push(library.clone());
+            }
+            match bytes.map_err(|error| reason(&error)).and_then(|bytes| parse(&bytes)) {
+                Ok(loaded) => {
+                    let loaded = loaded.into_iter().filter(|material| wanted.remove(material.name.as_str()));
+                    let with_image = |loaded| material(input, &library, loaded, images);
+                    result.materials.extend(loaded.map(with_image));
+                }
+                Err(problem) => warnings.push(format!(
+                    "material library {} {problem}: materials keep their names but have no colour in other formats",
+                    input.path_of(&library).display()
+                )),
+            }
         }
+        result.names.push(names);
     }
-    materials
+    result
 }
 
 /// A library by its name, with its contents.
@@ -30,12 +56,15 @@ type Library = (String, Result<Vec<u8>, Error>);
 /// The libraries that a line names: one whose name may hold spaces, or several.
 fn libraries(input: &dyn FileInput, line: &str) -> Vec<Library> {
     let open = |name: &str| -> Library {
-        let contents = match input.referenced(name) {
+        let slashes = name.replace('\\', "/");
+        match input.referenced(name) {
             // Files written on Windows may name a folder with backslashes.
-            Err(error) if name.contains('\\') => input.referenced(&name.replace('\\', "/")).map_err(|_| error),
-            contents => contents,
-        };
-        (name.into(), contents)
+            Err(error) if slashes != name => match input.referenced(&slashes) {
+                Ok(contents) => (slashes, Ok(contents)),
+                Err(_) => (name.into(), Err(error)),
+            },
+            contents => (name.into(), contents),
+        }
     };
     let whole = open(line);
     if whole.1.is_ok() {
@@ -45,7 +74,7 @@ fn libraries(input: &dyn FileInput, line: &str) -> Vec<Library> {
     if several.iter().any(|(_, contents)| contents.is_ok()) { several } else { vec![whole] }
 }
 
-/// Why a library could not be opened.
+/// Why a library or an image could not be opened.
 fn reason(error: &Error) -> String {
     match error {
         Error::Io { source, .. } => format!("cannot be read ({source})"),
@@ -54,17 +83,71 @@ fn reason(error: &Error) -> String {
     }
 }
 
-fn parse(bytes: &[u8]) -> Result<Vec<Material>, String> {
+fn parse(bytes: &[u8]) -> Result<Vec<tobj::Material>, String> {
+    let decoded = crate::encoding::from_utf16(bytes);
     // Names in other encodings must compare equal to those in the OBJ, which are read in the same lossy way.
-    let text = String::from_utf8_lossy(bytes);
+    let text = String::from_utf8_lossy(decoded.as_deref().unwrap_or(bytes));
     let (materials, _) =
         tobj::load_mtl_buf(&mut text.as_bytes()).map_err(|problem| format!("is not understood ({problem})"))?;
-    Ok(materials.into_iter().map(material).collect())
+    Ok(materials)
 }
 
-fn material(material: tobj::Material) -> Material {
+/// A material of `library`; its image stands in the place of its colour, as programs that write both leave that black or grey.
+fn material(input: &dyn FileInput, library: &str, material: tobj::Material, images: bool) -> Material {
     let [r, g, b] = material.diffuse.unwrap_or([1.0; 3]);
     let base_color = [r, g, b, material.dissolve.unwrap_or(1.0)];
     let bounded = |x: f64| if x.is_finite() { x.clamp(0.0, 1.0) } else { 1.0 };
-    Material { name: material.name, base_color: base_color.map(bounded) }
+    let map = material.diffuse_texture.as_deref().map(file_of).filter(|_| images);
+    let image = map.map(|map| Arc::new(image(input, library, map)));
+    Material { name: material.name, base_color: base_color.map(bounded), base_color_image: image }
+}
+
+/// The file of a map, which stands behind options such as `-s 2 2 1` or `-clamp on`.
+fn file_of(map: &str) -> &str {
+    let mut rest = map.trim();
+    while rest.starts_with('-') {
+        let Some((_, behind)) = rest.split_once(char::is_whitespace) else { return rest };
+        rest = behind.trim_start();
+        let mut values = 0;
+        while let Some((value, behind)) = rest.split_once(char::is_whitespace) {
+            let is_value = value.parse::<f64>().is_ok() || (values == 0 && !value.contains('.'));
+            if !is_value || values == 3 || value.starts_with('-') && value.parse::<f64>().is_err() {
+                break;
+            }
+            values += 1;
+            rest = behind.trim_start();
+        }
+    }
+    rest
+}
+
+/// The image `map` of a material of `library`: where it is said to be, or beside the library if that is another machine's path.
+fn image(input: &dyn FileInput, library: &str, map: &str) -> Image {
+    let folder = library.rfind('/').map_or("", |end| &library[..=end]);
+    let slashes = map.replace('\\', "/");
+    let file = slashes.rsplit('/').next().unwrap_or(map);
+    let mut tries = [format!("{folder}{map}"), format!("{folder}{slashes}"), format!("{folder}{file}")].into_iter();
+    let first = tries.next().map_or_else(|| Err(String::new()), |name| input.referenced(&name).map_err(|e| reason(&e)));
+    let contents = tries.fold(first, |found, name| found.or_else(|error| input.referenced(&name).map_err(|_| error)));
+    Image { name: file.into(), contents }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn options_before_the_file_of_a_map_are_skipped() {
+        let cases = [
+            ("face.png", "face.png"),
+            ("my face.png", "my face.png"),
+            ("-s 2 2 1 my face.png", "my face.png"),
+            ("-clamp on -o 0.5 -0.5 face.png", "face.png"),
+            ("-bm 0.2 -imfchan r 2.png", "2.png"),
+            ("-mm 0 1 textures\\face.png", "textures\\face.png"),
+        ];
+        for (map, file) in cases {
+            assert_eq!(file_of(map), file, "{map}");
+        }
+    }
 }

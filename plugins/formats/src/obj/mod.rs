@@ -5,14 +5,17 @@
 //! Coordinates are read as f64 and keep their order; `tobj` reads the material libraries only, because it numbers vertices
 //! anew.
 
+mod colors;
 mod corner;
 mod document;
 mod lexer;
+mod libraries;
 mod materials;
 mod plain;
 mod reader;
+mod signature;
 
-use std::io::Write;
+use std::{io::Write, path::Path};
 
 use mimesh_core::{
     Error, Result,
@@ -24,6 +27,7 @@ use nalgebra::Point3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::{encoding::utf8, lost};
 use document::ObjDocument;
 
 register!(Format: Obj);
@@ -50,12 +54,19 @@ impl Format for Obj {
         &["obj"]
     }
 
-    fn read(&self, input: &dyn FileInput, _: &Selection) -> Result<MeshSequence> {
-        reader::read(input, input.contents()?.into_owned())
+    fn recognises(&self, start: &[u8], _: u64) -> Option<bool> {
+        Some(signature::is_obj(start))
     }
 
-    fn read_pose(&self, input: &dyn FileInput, _: &Selection, rest: &Mesh) -> Result<Vec<Point3<f64>>> {
-        reader::read_pose(input.path(), &input.contents()?, rest)
+    fn read(&self, input: &dyn FileInput, selection: &Selection) -> Result<MeshSequence> {
+        let (bytes, warnings) = utf8(input.contents()?);
+        let mut read = reader::read(input, bytes.into_owned(), selection.keep_document)?;
+        read.warnings.extend(warnings);
+        Ok(read)
+    }
+
+    fn read_pose(&self, input: &dyn FileInput, selection: &Selection, rest: &Mesh) -> Result<Vec<Point3<f64>>> {
+        reader::read_pose(input.path(), &utf8(input.contents()?).0, rest, selection.same_vertices)
     }
 
     fn writer(&self) -> Option<MeshWriter<'_>> {
@@ -65,12 +76,50 @@ impl Format for Obj {
 
 impl PoseWriter for Obj {
     fn write(&self, mesh: &Mesh, positions: &[Point3<f64>], out: &mut dyn Write) -> Result<(), WriteError> {
+        self.write_as_from(None, mesh, positions, out)
+    }
+
+    fn write_in(
+        &self,
+        folder: &Path,
+        mesh: &Mesh,
+        positions: &[Point3<f64>],
+        out: &mut dyn Write,
+    ) -> Result<(), WriteError> {
+        self.write_as_from(Some(folder), mesh, positions, out)
+    }
+
+    fn warnings(&self, folder: &Path, mesh: &Mesh) -> Vec<String> {
+        use lost::Content::{Groups, Materials, Normals, Objects, Polygons, TextureCoordinates, VertexColors};
+        let kept = [Polygons, TextureCoordinates, Normals, VertexColors, Objects, Groups, Materials];
+        let warning = match document(mesh) {
+            Some(document) => document.libraries.warning(folder),
+            None => lost::sentence("OBJ", mesh, &kept),
+        };
+        warning.into_iter().collect()
+    }
+}
+
+impl Obj {
+    /// Writes a file; material libraries are named as from `folder`, if that is given.
+    fn write_as_from(
+        &self,
+        folder: Option<&Path>,
+        mesh: &Mesh,
+        positions: &[Point3<f64>],
+        out: &mut dyn Write,
+    ) -> Result<(), WriteError> {
         Error::check_shape("posed vertices (#V)", mesh.positions.len(), positions.len())?;
         check_finite(positions)?;
-        let bytes = match mesh.document.get::<ObjDocument>().filter(|document| document.describes(mesh)) {
-            Some(document) => document.with_positions(mesh, positions, self.turn_normals),
+        let bytes = match document(mesh) {
+            Some(document) => document.with_positions(folder, mesh, positions, self.turn_normals),
             None => plain::write(mesh, positions, self.turn_normals),
         };
         Ok(out.write_all(&bytes)?)
     }
+}
+
+/// The file that `mesh` was read from, if it still has its vertices and corners.
+fn document(mesh: &Mesh) -> Option<&ObjDocument> {
+    mesh.document.get::<ObjDocument>().filter(|document| document.describes(mesh))
 }

@@ -10,7 +10,14 @@ pub fn write(mesh: &Mesh, positions: &[Point3<f64>], turn_normals: bool) -> Vec<
     let mut out = Vec::with_capacity(48 * positions.len() + 32 * mesh.polygons.corner_count());
     out.extend_from_slice(b"# written by mimesh\n");
     let decimals = Decimals::for_positions(mesh.diagonal_of(positions).max(mesh.diagonal()), 6);
-    positions.iter().for_each(|p| line(&mut out, "v", p.coords.as_slice(), decimals));
+    let colors = mesh.vertex_colors.as_ref().filter(|colors| colors.len() == positions.len());
+    for (v, position) in positions.iter().enumerate() {
+        line(&mut out, "v", position.coords.as_slice(), decimals);
+        if let Some([r, g, b, _]) = colors.map(|colors| colors[v]) {
+            out.pop();
+            line(&mut out, "", &[r, g, b], Decimals::fixed(6));
+        }
+    }
     if let Some(texture) = &mesh.texture_coordinates {
         texture.values.iter().for_each(|value| line(&mut out, "vt", value, Decimals::fixed(8)));
     }

@@ -3,26 +3,29 @@ use std::{fmt::Display, ops::Range, path::Path};
 use mimesh_core::{
     Error, Result,
     mesh::{CornerAttribute, Document, Mesh, MeshSequence, Part, Polygons},
-    stage::{FileInput, check_pose},
+    stage::{FileInput, check_pose, check_vertices},
 };
 use nalgebra::Point3;
 
 use super::{
+    colors::Colors,
     corner::{Corner, Reference},
     document::{Layout, ObjDocument},
-    lexer::Lexer,
-    materials,
+    lexer::{Lexer, number},
+    libraries::LibraryLines,
+    materials::{self, Libraries},
 };
 
-/// Reads the mesh in `bytes`, the contents of `input`, which also gives material libraries.
+/// Reads the mesh in `bytes`, the contents of `input`, which also gives material libraries; with images of materials if `images`.
 ///
 /// # Errors
 ///
 /// [`Error::File`] at the line of the first coordinate or corner that is not one, and for a mesh without polygons.
-pub fn read(input: &dyn FileInput, bytes: Vec<u8>) -> Result<MeshSequence> {
+pub fn read(input: &dyn FileInput, bytes: Vec<u8>, images: bool) -> Result<MeshSequence> {
     let mut reader = Reader::new(input.path(), &bytes);
     let mut attributes = Attributes::default();
-    let mut libraries = Vec::new();
+    let mut library_lines = Vec::new();
+    let mut colors = Colors::default();
     let mut layout = Layout::default();
     let mut normal_lines = Vec::new();
     let mut vertex_lines = Vec::new();
@@ -32,6 +35,7 @@ pub fn read(input: &dyn FileInput, bytes: Vec<u8>) -> Result<MeshSequence> {
                 vertex_lines.push(reader.lexer.at());
                 let fields = reader.vertex()?;
                 layout.add_vertex(&bytes, fields);
+                colors.add(&mut reader.lexer, &bytes);
             }
             b"vt" => attributes.texture(&mut reader),
             b"vn" => {
@@ -48,41 +52,52 @@ pub fn read(input: &dyn FileInput, bytes: Vec<u8>) -> Result<MeshSequence> {
                 attributes.open.groups = names.filter(|name| !name.is_empty()).map(text).collect();
             }
             b"usemtl" => attributes.open.material = Some(text(reader.lexer.rest())).filter(|name| !name.is_empty()),
-            b"mtllib" => libraries.push(text(reader.lexer.rest())),
+            b"mtllib" => library_lines.push(reader.lexer.rest_range()),
             _ => {}
         }
     }
     reader.finish(attributes.texture_values.len(), attributes.normal_values.len())?;
 
-    let (positions, polygons) = (reader.positions, reader.polygons);
     let mut warnings = attributes.warnings();
+    warnings.extend(reader.warning_of_short());
+    let (positions, polygons) = (reader.positions, reader.polygons);
     let parts = attributes.close_parts(polygons.len());
-    let materials = materials::read(input, &libraries, &parts, &mut warnings);
+    let lines: Vec<_> = library_lines.iter().map(|range| text(&bytes[range.clone()])).collect();
+    let Libraries { materials, names } = materials::read(input, &lines, &parts, images, &mut warnings);
+    let libraries = LibraryLines::new(input.path(), library_lines, names);
     let mut mesh = Mesh { positions, polygons, parts, materials, ..Mesh::default() };
+    mesh.vertex_colors = colors.finish();
     mesh.texture_coordinates = attribute(attributes.texture_values, attributes.texture_indices);
     mesh.normals = attribute(attributes.normal_values, attributes.normal_indices);
-    mesh.document = Document::new(ObjDocument::new(bytes, vertex_lines, normal_lines, layout, &mesh));
+    mesh.document = Document::new(ObjDocument::new(bytes, vertex_lines, normal_lines, libraries, layout, &mesh));
     Ok(MeshSequence { rest: mesh, warnings, ..MeshSequence::default() })
 }
 
-/// Reads only vertices and the vertices of faces, and checks that they are a pose of `rest`.
+/// Reads only vertices and the vertices of faces, and checks that they are a pose of `rest`; only vertices if `same_vertices`.
 ///
 /// # Errors
 ///
-/// The errors of [`read`] and of [`check_pose`].
-pub fn read_pose(path: &Path, bytes: &[u8], rest: &Mesh) -> Result<Vec<Point3<f64>>> {
+/// The errors of [`read`], [`check_pose`] and [`check_vertices`].
+pub fn read_pose(path: &Path, bytes: &[u8], rest: &Mesh, same_vertices: bool) -> Result<Vec<Point3<f64>>> {
     let mut reader = Reader::new(path, bytes);
     while let Some(keyword) = reader.lexer.keyword() {
         match keyword {
             b"v" => {
                 reader.vertex()?;
             }
-            b"f" | b"fo" => reader.face(None)?,
+            b"f" | b"fo" if !same_vertices => reader.face(None)?,
             _ => {}
         }
     }
-    reader.finish(usize::MAX, usize::MAX)?;
-    check_pose(path, rest, reader.positions.len(), &reader.polygons)?;
+    if same_vertices {
+        check_vertices(path, rest, reader.positions.len())?;
+    } else {
+        // A file of vertices alone differs from the rest in its polygons, which is the error that tells the way out.
+        if !reader.polygons.is_empty() {
+            reader.finish(usize::MAX, usize::MAX)?;
+        }
+        check_pose(path, rest, reader.positions.len(), &reader.polygons)?;
+    }
     Ok(reader.positions)
 }
 
@@ -96,6 +111,8 @@ struct Reader<'a> {
     corners: Vec<u32>,
     /// References to entries that had not been read when they were made: line, kind, entry from 0.
     forward: Vec<(usize, Kind, u32)>,
+    /// The lines of the faces of fewer than three corners.
+    short: Vec<usize>,
 }
 
 /// The lists that corners refer to.
@@ -128,7 +145,7 @@ impl<'a> Reader<'a> {
     fn new(path: &'a Path, bytes: &'a [u8]) -> Self {
         let lexer = Lexer::new(bytes);
         let (positions, polygons) = Default::default();
-        Self { path, bytes, lexer, positions, polygons, corners: Vec::new(), forward: Vec::new() }
+        Self { path, bytes, lexer, positions, polygons, corners: Vec::new(), forward: Vec::new(), short: Vec::new() }
     }
 
     fn error(&self, line: usize, message: impl Display, hint: &str) -> Error {
@@ -164,6 +181,7 @@ impl<'a> Reader<'a> {
     fn face(&mut self, mut attributes: Option<&mut Attributes>) -> Result<()> {
         let line = self.lexer.line();
         self.corners.clear();
+        let known = attributes.as_ref().map_or(0, |attributes| attributes.texture_indices.len());
         while let Some(token) = self.lexer.token() {
             let token = &self.bytes[token];
             let corner = Corner::parse(token).ok_or_else(|| {
@@ -177,8 +195,12 @@ impl<'a> Reader<'a> {
             }
         }
         if self.corners.len() < 3 {
-            let message = format!("face has {} corners, expected at least 3", self.corners.len());
-            return Err(self.error(line, message, "remove the face or export the mesh again; edges go on `l` lines"));
+            self.short.push(line);
+            if let Some(attributes) = attributes {
+                attributes.texture_indices.truncate(known);
+                attributes.normal_indices.truncate(known);
+            }
+            return Ok(());
         }
         self.polygons.push(&self.corners);
         Ok(())
@@ -206,6 +228,13 @@ impl<'a> Reader<'a> {
                 Err(self.error(line, message, DAMAGED))
             }
         }
+    }
+
+    /// The sentence about faces of fewer than three corners, which have no surface.
+    fn warning_of_short(&self) -> Option<String> {
+        let (first, count) = (self.short.first()?, self.short.len());
+        let faces = if count == 1 { "1 face has".into() } else { format!("{count} faces have") };
+        Some(format!("{faces} fewer than three corners (line {first}): kept in the file and left out of the solve"))
     }
 
     /// Checks what can only be checked when all is read.
@@ -311,11 +340,6 @@ impl Attributes {
 /// An attribute, if any corner has it.
 fn attribute<T>(values: Vec<T>, indices: Vec<Option<u32>>) -> Option<CornerAttribute<T>> {
     indices.iter().any(Option::is_some).then_some(CornerAttribute { values, indices })
-}
-
-/// A finite number.
-fn number(token: &[u8]) -> Option<f64> {
-    std::str::from_utf8(token).ok()?.parse().ok().filter(|x: &f64| x.is_finite())
 }
 
 fn text(bytes: &[u8]) -> String {

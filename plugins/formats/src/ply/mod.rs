@@ -1,25 +1,32 @@
 //! Stanford PLY, in and out: ASCII and both binary encodings.
 //!
-//! Read through `ply-rs-bw`: positions, polygons, and of vertices normals, texture coordinates and colours.
+//! In: positions, polygons and strips, normals and colours of vertices, colours of faces, texture coordinates of vertices or of corners.
+//! The numbers are read here, since the crates at hand want every entry of a text on a line of its own.
 
+mod entries;
+mod faces;
+mod header;
 mod reader;
+mod values;
 mod writer;
 
-use std::io::Write;
+use std::{io::Write, path::Path};
 
 use mimesh_core::{
     Error, Result,
     mesh::{Mesh, MeshSequence, check_finite},
     register,
-    stage::{FileInput, Format, MeshWriter, PoseWriter, Selection, WriteError},
+    stage::{FileInput, Format, MeshWriter, PoseWriter, Selection, WriteError, check_pose, check_vertices},
 };
 use nalgebra::Point3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::lost;
+
 register!(Format: Ply);
 
-/// Stanford PLY: polygons, normals, texture coordinates and colours of vertices; one file a pose.
+/// Stanford PLY: polygons, normals, texture coordinates, colours of vertices and faces; one file a pose.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema, Serialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Ply {
@@ -62,8 +69,25 @@ impl Format for Ply {
         &["ply"]
     }
 
+    fn recognises(&self, start: &[u8], _: u64) -> Option<bool> {
+        let bytes = start.strip_prefix(b"\xef\xbb\xbf").unwrap_or(start);
+        Some(bytes.strip_prefix(b"ply").is_some_and(|rest| rest.starts_with(b"\n") || rest.starts_with(b"\r")))
+    }
+
     fn read(&self, input: &dyn FileInput, _: &Selection) -> Result<MeshSequence> {
         reader::read(input.path(), &input.contents()?)
+    }
+
+    fn read_pose(&self, input: &dyn FileInput, selection: &Selection, rest: &Mesh) -> Result<Vec<Point3<f64>>> {
+        let path = input.path();
+        if selection.same_vertices {
+            let positions = reader::read_positions(path, &input.contents()?)?;
+            check_vertices(path, rest, positions.len())?;
+            return Ok(positions);
+        }
+        let pose = self.read(input, selection)?.rest;
+        check_pose(path, rest, pose.positions.len(), &pose.polygons)?;
+        Ok(pose.positions)
     }
 
     fn writer(&self) -> Option<MeshWriter<'_>> {
@@ -82,13 +106,27 @@ impl PoseWriter for Ply {
         }
         Ok(out.write_all(&writer::write(self, mesh, positions))?)
     }
+
+    fn warnings(&self, _: &Path, mesh: &Mesh) -> Vec<String> {
+        use lost::Content::{FaceColors, Polygons, TextureCoordinates, VertexColors};
+        let mut kept = vec![Polygons, TextureCoordinates, VertexColors, FaceColors];
+        // Normals of corners have no place in a PLY.
+        kept.extend(writer::keeps_normals(mesh).then_some(lost::Content::Normals));
+        lost::sentence("PLY", mesh, &kept).into_iter().collect()
+    }
 }
 
-/// Data of a PLY that a mesh has no place for.
-#[derive(Debug)]
-struct PlyDocument {
-    /// Whether coordinates are `double`.
-    double: bool,
-    /// Red, green, blue and opacity of vertices.
-    colors: Option<Vec<[u8; 4]>>,
+impl Encoding {
+    /// The encoding that a header calls `name`.
+    fn named(name: &str) -> Option<Self> {
+        [Self::Ascii, Self::BinaryLittleEndian, Self::BinaryBigEndian].into_iter().find(|other| other.name() == name)
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Ascii => "ascii",
+            Self::BinaryLittleEndian => "binary_little_endian",
+            Self::BinaryBigEndian => "binary_big_endian",
+        }
+    }
 }

@@ -1,16 +1,29 @@
-use std::{io::Cursor, path::Path};
+use std::path::Path;
 
 use mimesh_core::{
     Error, Result,
     mesh::{CornerAttribute, Document, Mesh, MeshSequence},
 };
 use nalgebra::Point3;
-use ply_rs_bw::{
-    parser::{ParseError, Parser, Reader},
-    ply::{ElementDef, Property, PropertyAccess, PropertyAccessResult, PropertyType, ScalarType},
-};
 
-use super::PlyDocument;
+use super::{
+    entries::{color_slot, color_type, for_each, unit},
+    faces::Faces,
+    header::{Element, Header, Property, Scalar},
+    values::Values,
+};
+use crate::{encoding, extras::Extras};
+
+/// The entries of a file.
+#[derive(Default)]
+pub struct Entries {
+    vertices: Vertices,
+    pub faces: Faces,
+    left_out: Vec<String>,
+    warnings: Vec<String>,
+    double: bool,
+    texture: Option<String>,
+}
 
 /// Reads the mesh in `bytes`; `path` is for messages.
 ///
@@ -18,120 +31,100 @@ use super::PlyDocument;
 ///
 /// [`Error::File`] if the header or an element is damaged, or there are no polygons.
 pub fn read(path: &Path, bytes: &[u8]) -> Result<MeshSequence> {
-    let unreadable = |problem: ParseError| Error::File {
-        path: path.into(),
-        line: problem.line(),
-        message: format!("not a PLY: {}", flat(&problem.to_string())),
-        hint: "the file is damaged or cut short: export it again".into(),
-    };
+    let Entries { vertices, faces, mut left_out, mut warnings, double, texture } = entries(path, bytes)?;
     let damaged = |message: String| Error::file(path, message, "the file is damaged or cut short: export it again");
-    let mut reader = Reader::new(Cursor::new(bytes));
-    let header = Parser::<Skipped>::new().read_header(&mut reader).map_err(unreadable)?;
-    let mut vertices = Vec::new();
-    let mut faces = Vec::new();
-    let mut kept = VertexColumns::default();
-    for element in header.elements.values() {
-        // Every entry takes at least a byte; without this a damaged count would be counted to its end.
-        if element.count > bytes.len() {
-            let message = format!("{} {} entries in a file of {} bytes", element.count, element.name, bytes.len());
-            return Err(damaged(message));
-        }
-        match element.name.as_str() {
-            "vertex" => {
-                kept = VertexColumns::new(element);
-                vertices = Parser::<Vertex>::new()
-                    .read_payload_for_element(&mut reader, element, &header)
-                    .map_err(unreadable)?;
-            }
-            "face" => {
-                faces = Parser::<Face>::new()
-                    .read_payload_for_element(&mut reader, element, &header)
-                    .map_err(unreadable)?;
-            }
-            _ => {
-                Parser::<Skipped>::new().read_payload_for_element(&mut reader, element, &header).map_err(unreadable)?;
-            }
-        }
+    let mut mesh = Mesh { positions: vertices.positions(), ..Mesh::default() };
+    if faces.short > 0 {
+        warnings.push(format!("{} faces of fewer than three corners are left out", faces.short));
     }
-
-    if !kept.positions {
-        return Err(damaged("no vertices with x, y and z".into()));
-    }
-    let mut mesh =
-        Mesh { positions: vertices.iter().map(|v| Point3::from(v.take([0, 1, 2]))).collect(), ..Mesh::default() };
-    let mut corners = Vec::new();
-    for (index, face) in faces.iter().enumerate() {
-        corners.clear();
-        for &corner in &face.corners {
-            let vertex = u32::try_from(corner).ok().filter(|&v| (v as usize) < vertices.len());
-            corners.push(vertex.ok_or_else(|| {
-                let count = vertices.len();
-                damaged(format!("face {index} (from 0) refers to vertex {corner}: there are {count} (from 0)"))
-            })?);
-        }
-        if corners.len() < 3 {
-            return Err(damaged(format!("face {index} (from 0) has {} corners, expected at least 3", corners.len())));
-        }
-        mesh.polygons.push(&corners);
-    }
+    mesh.polygons = faces.polygons(mesh.positions.len()).map_err(damaged)?;
     if mesh.polygons.is_empty() {
-        let message = format!("empty mesh: {} vertices, 0 faces", vertices.len());
-        let hint = "give a mesh with at least one `face` element; point clouds and strips are not read";
+        let message = format!("empty mesh: {} vertices, 0 faces", mesh.positions.len());
+        let hint = "give a mesh with at least one `face` of three corners, or `tristrips`; point clouds are not read";
         return Err(Error::file(path, message, hint));
     }
     mesh.validate().map_err(|problem| match problem {
         Error::Data { message, hint } => Error::file(path, message, hint),
         other => other,
     })?;
-    mesh.normals = kept.normals.then(|| attribute(&mesh, vertices.iter().map(|v| v.take([3, 4, 5])).collect()));
-    mesh.texture_coordinates =
-        kept.texture.then(|| attribute(&mesh, vertices.iter().map(|v| v.take([6, 7])).collect()));
-    let color = |v: &Vertex| v.take([8, 9, 10, 11]).map(|x| x as u8);
-    let colors = kept.colors.then(|| vertices.iter().map(color).collect());
-    mesh.document = Document::new(PlyDocument { double: kept.double, colors });
-    Ok(MeshSequence { rest: mesh, ..MeshSequence::default() })
-}
-
-/// A value a vertex as an attribute of corners; what is not finite is 0, since no stage depends on it.
-fn attribute<const N: usize>(mesh: &Mesh, mut values: Vec<[f64; N]>) -> CornerAttribute<[f64; N]> {
-    values.iter_mut().flatten().filter(|x| !x.is_finite()).for_each(|x| *x = 0.0);
-    CornerAttribute { values, indices: mesh.polygons.corners().iter().map(|&v| Some(v)).collect() }
-}
-
-/// The library's message on one line, without the line number that is told beside it and without its grammar.
-fn flat(message: &str) -> String {
-    let words: Vec<_> = message.split_whitespace().collect();
-    let words = if words.first() == Some(&"Line") { &words[2.min(words.len())..] } else { &words[..] };
-    let end = words.iter().position(|word| *word == "Error:").unwrap_or(words.len());
-    words[..end].join(" ")
-}
-
-/// The properties that the vertices of a file have.
-#[derive(Default)]
-struct VertexColumns {
-    positions: bool,
-    double: bool,
-    normals: bool,
-    texture: bool,
-    colors: bool,
-}
-
-impl VertexColumns {
-    fn new(element: &ElementDef) -> Self {
-        let has = |slots: &[usize]| {
-            slots.iter().all(|&slot| element.properties.keys().any(|name| slot_of(name) == Some(slot)))
-        };
-        let is = |name: &str, wanted: ScalarType| {
-            element.properties.get(name).is_some_and(|p| p.data_type == PropertyType::Scalar(wanted))
-        };
-        Self {
-            positions: has(&[0, 1, 2]),
-            double: is("x", ScalarType::Double),
-            normals: has(&[3, 4, 5]),
-            texture: has(&[6, 7]),
-            colors: ["red", "green", "blue"].iter().all(|name| is(name, ScalarType::UChar)),
+    let by_vertex = |mesh: &Mesh| mesh.polygons.corners().iter().map(|&v| Some(v)).collect::<Vec<_>>();
+    mesh.normals = vertices.columns([3, 4, 5]).map(|values| attribute(values, by_vertex(&mesh)));
+    mesh.texture_coordinates = match faces.texture_coordinates() {
+        Some(of_corners) => {
+            let indices = (0..).take(of_corners.len()).map(Some).collect();
+            Some(attribute(of_corners, indices))
         }
+        None => vertices.columns([6, 7]).map(|values| attribute(values, by_vertex(&mesh))),
+    };
+    mesh.vertex_colors = vertices.colors();
+    left_out.extend(texture.map(|name| format!("the name of the texture file `{name}`")));
+    let colors_are_bytes = vertices.colors.or(faces.color).is_none_or(|scalar| scalar == Scalar::U8);
+    mesh.document = Document::new(Extras { double, colors_are_bytes, face_colors: faces.colors(), left_out });
+    Ok(MeshSequence { rest: mesh, warnings, ..MeshSequence::default() })
+}
+
+/// Reads only the positions of vertices, #V × 3; the file may have no faces.
+///
+/// # Errors
+///
+/// As [`read`].
+pub fn read_positions(path: &Path, bytes: &[u8]) -> Result<Vec<Point3<f64>>> {
+    Ok(entries(path, bytes)?.vertices.positions())
+}
+
+fn entries(path: &Path, bytes: &[u8]) -> Result<Entries> {
+    let text = encoding::from_utf16(bytes);
+    let bytes = text.as_deref().unwrap_or(bytes);
+    let header = Header::read(path, bytes)?;
+    let mut values = Values::new(path, bytes, &header);
+    let mut entries = Entries { texture: header.texture.clone(), ..Entries::default() };
+    entries.warnings.extend(text.is_some().then(|| encoding::NOTE.into()));
+    for element in &header.elements {
+        // Every entry takes at least a byte; without this a damaged count would be counted to its end.
+        if element.count > bytes.len() {
+            let message = format!("{} {} entries in a file of {} bytes", element.count, element.name, bytes.len());
+            let hint = "the file is damaged or cut short: export it again";
+            return Err(Error::file(path, message, hint));
+        }
+        match element.name.as_str() {
+            "vertex" => entries.vertices.read(element, &mut values)?,
+            "face" => entries.faces.read(element, &mut values)?,
+            "tristrips" => entries.faces.read_strips(element, &mut values)?,
+            name => {
+                entries.left_out.push(format!("the element `{name}`"));
+                for_each(element, &mut values, |_, _, _| {})?;
+            }
+        }
+        entries.left_out.extend(unknown(element));
     }
+    if !entries.vertices.has(&[0, 1, 2]) {
+        let hint = "the file is damaged or cut short: export it again";
+        return Err(Error::file(path, "no vertices with x, y and z", hint));
+    }
+    entries.double = header.elements.iter().any(|element| {
+        let is_double = |p: &Property| p.name == "x" && p.scalar == Scalar::F64;
+        element.name == "vertex" && element.properties.iter().any(is_double)
+    });
+    values.finish(&mut entries.warnings)?;
+    Ok(entries)
+}
+
+/// The names of the properties of vertices and faces that are not read.
+fn unknown(element: &Element) -> Option<String> {
+    let is_known: fn(&Property) -> bool = match element.name.as_str() {
+        "vertex" => |property| property.list.is_none() && slot_of(&property.name).is_some(),
+        "face" => Faces::knows,
+        _ => return None,
+    };
+    let names = element.properties.iter().filter(|p| !is_known(p)).map(|property| format!("`{}`", property.name));
+    let names: Vec<_> = names.collect();
+    (!names.is_empty()).then(|| format!("the {} properties {}", element.name, names.join(", ")))
+}
+
+/// An attribute of corners; what is not finite is 0, since no stage depends on it.
+fn attribute<const N: usize>(mut values: Vec<[f64; N]>, indices: Vec<Option<u32>>) -> CornerAttribute<[f64; N]> {
+    values.iter_mut().flatten().filter(|x| !x.is_finite()).for_each(|x| *x = 0.0);
+    CornerAttribute { values, indices }
 }
 
 /// The place of a property of a vertex.
@@ -145,80 +138,51 @@ fn slot_of(name: &str) -> Option<usize> {
         "nz" => 5,
         "s" | "u" | "texture_u" => 6,
         "t" | "v" | "texture_v" => 7,
-        "red" => 8,
-        "green" => 9,
-        "blue" => 10,
-        "alpha" => 11,
-        _ => return None,
+        name => 8 + color_slot(name)?,
     })
 }
 
-/// The properties of a vertex by [`slot_of`] their name.
-struct Vertex([f64; 12]);
-
-impl Vertex {
-    fn take<const N: usize>(&self, slots: [usize; N]) -> [f64; N] {
-        slots.map(|slot| self.0[slot])
-    }
+/// The vertices, by [`slot_of`] the names of their properties.
+#[derive(Default)]
+struct Vertices {
+    slots: Vec<[f64; 12]>,
+    /// Which slots the file has.
+    given: [bool; 12],
+    /// The type of colours.
+    colors: Option<Scalar>,
 }
 
-impl PropertyAccess for Vertex {
-    fn new() -> Self {
-        let mut slots = [0.0; 12];
+impl Vertices {
+    fn read(&mut self, element: &Element, values: &mut Values<'_>) -> Result<()> {
+        let place = |property: &Property| slot_of(&property.name).filter(|_| property.list.is_none());
+        let places: Vec<_> = element.properties.iter().map(place).collect();
+        places.iter().flatten().for_each(|&slot| self.given[slot] = true);
+        self.colors = color_type(element);
         // Opaque, where a file has no opacity.
-        slots[11] = 255.0;
-        Self(slots)
+        let mut vertex = [0.0; 12];
+        vertex[11] = self.colors.and_then(Scalar::full).unwrap_or(1.0);
+        self.slots = vec![vertex; element.count];
+        for_each(element, values, |entry, property, numbers| {
+            if let Some(slot) = places[property] {
+                self.slots[entry][slot] = numbers[0];
+            }
+        })
     }
 
-    fn set_property(&mut self, name: &str, property: Property) -> PropertyAccessResult {
-        let Some(slot) = slot_of(name) else { return PropertyAccessResult::Ignored };
-        self.0[slot] = match property {
-            Property::Char(x) => x.into(),
-            Property::UChar(x) => x.into(),
-            Property::Short(x) => x.into(),
-            Property::UShort(x) => x.into(),
-            Property::Int(x) => x.into(),
-            Property::UInt(x) => x.into(),
-            Property::Float(x) => x.into(),
-            Property::Double(x) => x,
-            _ => return PropertyAccessResult::UnsupportedType,
-        };
-        PropertyAccessResult::Set
-    }
-}
-
-/// The vertices of a face, as the file numbers them.
-struct Face {
-    corners: Vec<i64>,
-}
-
-impl PropertyAccess for Face {
-    fn new() -> Self {
-        Self { corners: Vec::new() }
+    fn has(&self, slots: &[usize]) -> bool {
+        slots.iter().all(|&slot| self.given[slot])
     }
 
-    fn set_property(&mut self, name: &str, property: Property) -> PropertyAccessResult {
-        if !matches!(name, "vertex_indices" | "vertex_index") {
-            return PropertyAccessResult::Ignored;
-        }
-        self.corners = match property {
-            Property::ListChar(list) => list.into_iter().map(i64::from).collect(),
-            Property::ListUChar(list) => list.into_iter().map(i64::from).collect(),
-            Property::ListShort(list) => list.into_iter().map(i64::from).collect(),
-            Property::ListUShort(list) => list.into_iter().map(i64::from).collect(),
-            Property::ListInt(list) => list.into_iter().map(i64::from).collect(),
-            Property::ListUInt(list) => list.into_iter().map(i64::from).collect(),
-            _ => return PropertyAccessResult::UnsupportedType,
-        };
-        PropertyAccessResult::Set
+    fn columns<const N: usize>(&self, slots: [usize; N]) -> Option<Vec<[f64; N]>> {
+        self.has(&slots).then(|| self.slots.iter().map(|vertex| slots.map(|slot| vertex[slot])).collect())
     }
-}
 
-/// An element that is not kept.
-struct Skipped;
+    fn positions(&self) -> Vec<Point3<f64>> {
+        self.slots.iter().map(|&[x, y, z, ..]| Point3::new(x, y, z)).collect()
+    }
 
-impl PropertyAccess for Skipped {
-    fn new() -> Self {
-        Self
+    fn colors(&self) -> Option<Vec<[f64; 4]>> {
+        let full = self.colors?.full()?;
+        Some(self.slots.iter().map(|v| [v[8], v[9], v[10], v[11]].map(|x| unit(x / full))).collect())
     }
 }

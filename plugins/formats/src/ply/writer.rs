@@ -1,14 +1,20 @@
 use std::io::Write;
 
-use mimesh_core::mesh::{CornerAttribute, Mesh};
+use mimesh_core::mesh::Mesh;
 use nalgebra::Point3;
 
-use super::{Encoding, Ply, PlyDocument, Precision};
-use crate::{normals::PosedNormals, number::Decimals};
+use super::{Encoding, Ply, Precision};
+use crate::{
+    attributes::by_vertex,
+    extras::{Extras, byte},
+    normals::PosedNormals,
+    number::Decimals,
+};
 
 /// A PLY of `mesh` with its vertices at `positions` (#V × 3).
 ///
-/// Normals and texture coordinates are written where every vertex has one: seams and hard edges have no place in a PLY.
+/// Texture coordinates with seams are those of corners, as MeshLab writes them. Normals are written where every vertex has one: hard
+/// edges have no place in a PLY.
 pub fn write(settings: &Ply, mesh: &Mesh, positions: &[Point3<f64>]) -> Vec<u8> {
     let double = match settings.precision {
         Precision::Auto => needs_double(mesh, positions),
@@ -24,24 +30,35 @@ pub fn write(settings: &Ply, mesh: &Mesh, positions: &[Point3<f64>]) -> Vec<u8> 
         let of_vertex = by_vertex(mesh, textures)?;
         Some(of_vertex.into_iter().map(|v| v.map_or([0.0; 2], |v| textures.values[v as usize])).collect::<Vec<_>>())
     });
-    let colors = mesh.document.get::<PlyDocument>().and_then(|document| document.colors.as_ref());
-    let colors = colors.filter(|colors| colors.len() == positions.len());
-    let wide = mesh.polygons.iter().any(|polygon| polygon.len() > 255);
+    let wedges = mesh.texture_coordinates.as_ref().filter(|_| textures.is_none());
+    let colors = mesh.vertex_colors.as_ref().filter(|colors| colors.len() == positions.len());
+    let face_colors = Extras::face_colors(mesh);
+    let bytes = Extras::of(mesh).is_none_or(|extras| extras.colors_are_bytes);
+    let most = mesh.polygons.iter().map(<[u32]>::len).max().unwrap_or_default();
+    let wide = most > 255 || (wedges.is_some() && most > 127);
 
     let kind = if double { "double" } else { "float" };
-    let mut header = format!("ply\nformat {} 1.0\ncomment written by mimesh\n", name(settings.encoding));
+    let mut header = format!("ply\nformat {} 1.0\ncomment written by mimesh\n", settings.encoding.name());
     header += &format!("element vertex {}\n", positions.len());
     let mut property = |kind: &str, names: &[&str]| {
         names.iter().for_each(|name| header += &format!("property {kind} {name}\n"));
     };
+    let color = if bytes { "uchar" } else { "float" };
     property(kind, &["x", "y", "z"]);
     property("float", if normals.is_some() { &["nx", "ny", "nz"] } else { &[] });
     property("float", if textures.is_some() { &["s", "t"] } else { &[] });
-    property("uchar", if colors.is_some() { &["red", "green", "blue", "alpha"] } else { &[] });
+    property(color, if colors.is_some() { &COLOR } else { &[] });
     let count = if wide { "uint" } else { "uchar" };
     let index = if positions.len() > i32::MAX as usize { "uint" } else { "int" };
     header += &format!("element face {}\n", mesh.polygons.len());
-    header += &format!("property list {count} {index} vertex_indices\nend_header\n");
+    header += &format!("property list {count} {index} vertex_indices\n");
+    if wedges.is_some() {
+        header += &format!("property list {count} float texcoord\n");
+    }
+    if face_colors.is_some() {
+        COLOR.iter().for_each(|name| header += &format!("property {color} {name}\n"));
+    }
+    header += "end_header\n";
 
     let decimals = Decimals::for_positions(mesh.diagonal_of(positions).max(mesh.diagonal()), 6);
     let mut body = Body { out: header.into_bytes(), encoding: settings.encoding };
@@ -49,48 +66,37 @@ pub fn write(settings: &Ply, mesh: &Mesh, positions: &[Point3<f64>]) -> Vec<u8> 
         position.iter().for_each(|&x| if double { body.double(x, decimals) } else { body.float(x as f32) });
         normals.iter().flat_map(|normals| normals[v]).for_each(|x| body.float(x as f32));
         textures.iter().flat_map(|textures| textures[v]).for_each(|x| body.float(x as f32));
-        colors.iter().flat_map(|colors| colors[v]).for_each(|x| body.byte(x));
+        colors.iter().flat_map(|colors| colors[v]).for_each(|x| body.color(x, bytes));
         body.end();
     }
-    for polygon in mesh.polygons.iter() {
-        if wide {
-            body.integer(polygon.len() as u32)
-        } else {
-            body.byte(polygon.len() as u8)
-        }
+    for (face, polygon) in mesh.polygons.iter().enumerate() {
+        body.length(polygon.len(), wide);
         polygon.iter().for_each(|&v| body.integer(v));
+        if let Some(wedges) = wedges {
+            body.length(2 * polygon.len(), wide);
+            let value = |corner: usize| wedges.indices[corner].map_or([0.0; 2], |value| wedges.values[value as usize]);
+            mesh.polygons.corner_range(face).flat_map(value).for_each(|x| body.float(x as f32));
+        }
+        face_colors.iter().flat_map(|colors| colors[face]).for_each(|x| body.color(x, bytes));
         body.end();
     }
     body.out
 }
 
+/// Whether every vertex has one normal.
+pub fn keeps_normals(mesh: &Mesh) -> bool {
+    mesh.normals.as_ref().is_some_and(|normals| by_vertex(mesh, normals).is_some())
+}
+
+/// The parts of a colour.
+const COLOR: [&str; 4] = ["red", "green", "blue", "alpha"];
+
 /// Whether the mesh came with doubles, or f32 would move its vertices by more than 1e-6 of its diagonal.
 fn needs_double(mesh: &Mesh, positions: &[Point3<f64>]) -> bool {
     let size = mesh.positions.iter().chain(positions).map(|p| p.coords.amax()).fold(0.0, f64::max);
     let rounding = f64::from(f32::EPSILON) / 2.0 * size;
-    let given = mesh.document.get::<PlyDocument>().is_some_and(|document| document.double);
+    let given = Extras::of(mesh).is_some_and(|extras| extras.double);
     given || rounding > 1e-6 * mesh.diagonal() || size > f64::from(f32::MAX)
-}
-
-/// For each vertex the value that all of its corners have; `None` if any vertex has two.
-fn by_vertex<T>(mesh: &Mesh, attribute: &CornerAttribute<T>) -> Option<Vec<Option<u32>>> {
-    let mut values = vec![None; mesh.positions.len()];
-    for (&vertex, &value) in mesh.polygons.corners().iter().zip(&attribute.indices) {
-        let known = &mut values[vertex as usize];
-        if known.is_some() && *known != value {
-            return None;
-        }
-        *known = value;
-    }
-    Some(values)
-}
-
-fn name(encoding: Encoding) -> &'static str {
-    match encoding {
-        Encoding::Ascii => "ascii",
-        Encoding::BinaryLittleEndian => "binary_little_endian",
-        Encoding::BinaryBigEndian => "binary_big_endian",
-    }
 }
 
 /// Numbers in the encoding of the file.
@@ -117,6 +123,16 @@ impl Body {
 
     fn byte(&mut self, x: u8) {
         self.put([x], |out| write!(out, "{x} "));
+    }
+
+    /// The length of a list.
+    fn length(&mut self, length: usize, wide: bool) {
+        if wide { self.integer(length as u32) } else { self.byte(length as u8) }
+    }
+
+    /// A part of a colour, 0 to 1.
+    fn color(&mut self, x: f64, as_byte: bool) {
+        if as_byte { self.byte(byte(x)) } else { self.float(x as f32) }
     }
 
     /// The end of an element.

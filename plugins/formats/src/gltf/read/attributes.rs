@@ -102,6 +102,44 @@ impl Normals {
     }
 }
 
+/// Colours of vertices, collected over all primitives.
+#[derive(Debug, Default)]
+pub struct Colors(Vec<[f64; 4]>);
+
+impl Colors {
+    /// Reads those of `accessor` for `count` vertices from `first` on, as sRGB and opacity; other vertices are white.
+    ///
+    /// # Errors
+    ///
+    /// Those of the accessor, and another count than that of the vertices.
+    pub fn add(
+        &mut self,
+        asset: &Asset,
+        accessor: Index<Accessor>,
+        (first, count): (usize, usize),
+    ) -> Result<(), String> {
+        let opaque = |values: Vec<[f64; 3]>| values.into_iter().map(|[r, g, b]| [r, g, b, 1.0]).collect();
+        let values = numbers::<4>(asset, accessor).or_else(|_| numbers::<3>(asset, accessor).map(opaque))?;
+        check_count("colours", values.len(), count)?;
+        self.0.resize(self.0.len().max(first + count), [1.0; 4]);
+        let values =
+            values.into_iter().map(|[r, g, b, opacity]| finite([srgb(r), srgb(g), srgb(b), opacity.clamp(0.0, 1.0)]));
+        self.0.splice(first..first + count, values);
+        Ok(())
+    }
+
+    /// The colours up to the last vertex that has one, if any has.
+    pub fn finish(self) -> Option<Vec<[f64; 4]>> {
+        (!self.0.is_empty()).then_some(self.0)
+    }
+}
+
+/// A linear part of a colour as sRGB.
+fn srgb(x: f64) -> f64 {
+    let x = x.clamp(0.0, 1.0);
+    if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 }
+}
+
 /// The matrix that normals follow; `None` if they stay.
 fn turn(matrix: &Matrix4<f64>) -> Option<Matrix3<f64>> {
     let linear: Matrix3<f64> = matrix.fixed_view::<3, 3>(0, 0).into();

@@ -15,7 +15,7 @@ use nalgebra::{Matrix4, Point3};
 use super::{
     accessor::{count, has_data, numbers, whole},
     asset::{Asset, get},
-    attributes::{Normals, Textures},
+    attributes::{Colors, Normals, Textures},
     evaluator::Run,
     materials,
     morphs::{self, Moves, Name, Shapes},
@@ -45,6 +45,7 @@ pub struct Piece {
     /// Corners from the first vertex of the run.
     triangles: Vec<[u32; 3]>,
     texture: Option<Index<Accessor>>,
+    color: Option<Index<Accessor>>,
     normal: Option<Index<Accessor>>,
     material: Option<usize>,
 }
@@ -128,6 +129,7 @@ impl<'a> Builder<'a> {
             vertices: (self.runs[run].vertices.start, count),
             triangles,
             texture: attribute(primitive, Semantic::TexCoords(0)),
+            color: attribute(primitive, Semantic::Colors(0)),
             normal: attribute(primitive, Semantic::Normals),
             material: primitive.material.map(|material| material.value()),
         });
@@ -214,6 +216,7 @@ pub fn assemble(
     let material_names = materials::names(&asset.root.materials);
     let mirrored: Vec<bool> = transforms.iter().map(is_mirrored).collect();
     let (mut mesh, mut textures, mut normals) = (Mesh::default(), Textures::default(), Normals::default());
+    let mut colors = Colors::default();
     let mut unread = Vec::new();
     for piece in pieces {
         let (first, count) = piece.vertices;
@@ -232,6 +235,11 @@ pub fn assemble(
         let normal = normal
             .and_then(|accessor| normals.start(asset, accessor, count, run).map_err(|e| unread.push((piece, e))).ok());
         normals.add(normal, &triangles);
+        if let Some(accessor) = piece.color
+            && let Err(problem) = colors.add(asset, accessor, piece.vertices)
+        {
+            unread.push((piece, problem));
+        }
         let material = piece.material.map(|material| material_names[material].clone());
         let polygons = start..mesh.polygons.len();
         add_part(&mut mesh, Part { object: Some(piece.object.clone()), material, polygons, ..Part::default() });
@@ -246,6 +254,7 @@ pub fn assemble(
     mesh.materials = materials::read(asset, &used);
     mesh.texture_coordinates = textures.finish();
     mesh.normals = normals.finish();
+    mesh.vertex_colors = colors.finish();
     mesh
 }
 

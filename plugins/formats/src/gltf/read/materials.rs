@@ -18,7 +18,9 @@ pub fn names(materials: &[gltf::json::Material]) -> Vec<String> {
 /// The materials that are `used`, by number.
 pub fn read(asset: &Asset, used: &HashSet<usize>) -> Vec<mesh::Material> {
     let names = names(&asset.root.materials).into_iter().enumerate().filter(|(index, _)| used.contains(index));
-    names.map(|(index, name)| mesh::Material { name, base_color: base_color(asset, index) }).collect()
+    names
+        .map(|(index, name)| mesh::Material { name, base_color: base_color(asset, index), ..Default::default() })
+        .collect()
 }
 
 /// The base colour, white where the file gives none that can be read.

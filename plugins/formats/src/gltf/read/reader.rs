@@ -70,6 +70,9 @@ pub fn read(input: &dyn FileInput, selection: &Selection) -> Result<MeshSequence
     let transforms = evaluator.transforms(&rest);
     let mut mesh = assemble(&asset, &pieces, &transforms, &evaluator.morphed(&rest), &mut warnings);
     mesh.positions = evaluator.shape(&rest);
+    if let Some(colors) = &mut mesh.vertex_colors {
+        colors.resize(mesh.positions.len(), [1.0; 4]);
+    }
     match mesh.validate() {
         Err(Error::Data { message, hint }) => return Err(Error::file(path, message, hint)),
         other => other?,

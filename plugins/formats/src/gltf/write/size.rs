@@ -15,13 +15,17 @@ pub fn check(options: &Options, mesh: &Mesh, poses: usize) -> Result<()> {
         Some(document) => (bytes_of(document), mesh.positions.len(), mesh.normals.is_some()),
         None => {
             let corners = mesh.polygons.corner_count();
+            let colors = if mesh.vertex_colors.is_some() { 16 } else { 0 };
+            let images = mesh.materials.iter().filter_map(|material| material.base_color_image.as_deref());
+            let images = images.map(|image| image.contents.as_ref().map_or(0, |bytes| bytes.len() as u64)).sum::<u64>();
+            let rest_bytes = |vertices: usize| rest_bytes(corners, vertices) + colors * vertices as u64 + images;
             // No corner has more than one vertex of its own, so that the cuts along seams need not be counted as a rule.
             let most = corners + mesh.positions.len();
-            if fits(rest_bytes(corners, most), most, options.pose_normals, poses) {
+            if fits(rest_bytes(most), most, options.pose_normals, poses) {
                 return Ok(());
             }
             let vertices = Plan::new(mesh).objects.iter().map(|object| object.vertices.len()).sum();
-            (rest_bytes(corners, vertices), vertices, true)
+            (rest_bytes(vertices), vertices, true)
         }
     };
     check_length(length(rest, vertices, options.pose_normals && with_normals, poses)).map(|_| ())

@@ -10,13 +10,14 @@ use serde_json::{Value, json};
 
 use super::{
     binary::Binary,
-    materials::Materials,
+    materials::{self, Materials},
     offset::offset,
     options::Options,
     output,
     plan::{Object, Plan, Vertex},
     pose_clips::{PoseClip, PoseList},
 };
+use crate::lost;
 
 /// A glTF in the making: the rest mesh is in it, poses are added.
 pub struct Writer {
@@ -28,6 +29,7 @@ pub struct Writer {
     poses: PoseList,
     /// The place in the mesh's space that is the origin of the stored positions.
     offset: Vector3<f64>,
+    warnings: Vec<String>,
 }
 
 /// The parts of an object that have been written.
@@ -59,9 +61,15 @@ impl Writer {
         let offset = offset(mesh);
         let rest = plan.objects.iter().map(|object| RestObject::new(object, mesh, offset, &plan, &mut binary));
         let rest = rest.collect::<io::Result<_>>()?;
+        use lost::Content::{
+            MaterialColors, Materials, Normals, Objects, Polygons, TextureCoordinates, Textures, VertexColors,
+        };
+        let kept = [Polygons, TextureCoordinates, Normals, VertexColors, Objects, Materials, MaterialColors, Textures];
+        let mut warnings = materials::warnings(mesh);
+        warnings.extend(lost::sentence("glTF", mesh, &kept));
         // The document of a reader may be as large as its file and says nothing here.
         let mesh = Mesh { document: Default::default(), ..mesh.clone() };
-        Ok(Self { options, mesh, plan, binary, rest, poses: PoseList::default(), offset })
+        Ok(Self { options, mesh, plan, binary, rest, poses: PoseList::default(), offset, warnings })
     }
 
     fn json(&mut self) -> io::Result<Value> {
@@ -85,6 +93,7 @@ impl Writer {
             "meshes": meshes,
         });
         if !materials.json.is_empty() {
+            materials.add_images(&mut self.binary, &mut root)?;
             root["materials"] = materials.json.into();
         }
         if !animations.is_empty() {
@@ -170,7 +179,7 @@ impl SequenceWriter for Writer {
     }
 
     fn warnings(&self) -> Vec<String> {
-        self.poses.warnings(self.options.animation)
+        [self.warnings.clone(), self.poses.warnings(self.options.animation)].concat()
     }
 
     fn finish(mut self: Box<Self>, out: &mut dyn Write) -> Result<(), WriteError> {
@@ -195,10 +204,20 @@ impl RestObject {
             let values: Vec<_> = vertices.iter().map(value).map(|[u, v]| [u as f32, (1.0 - v) as f32]).collect();
             attributes["TEXCOORD_0"] = binary.attribute(&values, false)?.into();
         }
+        if let Some(colors) = mesh.vertex_colors.as_ref().filter(|colors| colors.len() == mesh.positions.len()) {
+            let values: Vec<_> = vertices.iter().map(|v| linear(colors[v.vertex as usize])).collect();
+            attributes["COLOR_0"] = binary.attribute(&values, false)?.into();
+        }
         let indices = object.primitives.iter().map(|p| binary.indices(&p.indices, vertices.len()));
         let indices = indices.collect::<io::Result<_>>()?;
         Ok(Self { positions, normals, attributes, indices, targets: Vec::new() })
     }
+}
+
+/// An sRGB colour as glTF holds it: linear, with the opacity as it is.
+fn linear([r, g, b, opacity]: [f64; 4]) -> [f32; 4] {
+    let part = |x: f64| if x <= 0.04045 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) };
+    [part(r), part(g), part(b), opacity].map(|x| x as f32)
 }
 
 /// The unit normal of a vertex of the plan; upwards where there is none.

@@ -1,0 +1,262 @@
+use std::path::Path;
+
+use mimesh_core::{
+    Error, Result,
+    mesh::{CornerAttribute, Document, Mesh},
+};
+use nalgebra::Point3;
+
+use crate::extras::Extras;
+
+const DAMAGED: &str = "the file is damaged or cut short: export it again";
+
+/// Whether a file that begins with `start` is an OFF.
+pub fn is_off(start: &[u8]) -> bool {
+    let start = start.strip_prefix(b"\xef\xbb\xbf").unwrap_or(start);
+    let line = start.split(|b| matches!(b, b'\n' | b'\r')).next().unwrap_or_default();
+    let text = String::from_utf8_lossy(line);
+    text.split_ascii_whitespace().next().is_some_and(|word| Kind::new(word).is_some())
+}
+
+/// The kind of a file: what vertices have beside their coordinates.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Kind {
+    textured: bool,
+    colored: bool,
+    normals: bool,
+    /// Vertices have four coordinates, or as many as the file says.
+    other_dimension: bool,
+}
+
+impl Kind {
+    /// The kind that a first word names: `[ST][C][N][4][n]OFF`.
+    fn new(word: &str) -> Option<Self> {
+        let rest = word.strip_suffix("OFF")?;
+        let (textured, rest) = rest.strip_prefix("ST").map_or((false, rest), |rest| (true, rest));
+        let (colored, rest) = rest.strip_prefix('C').map_or((false, rest), |rest| (true, rest));
+        let (normals, rest) = rest.strip_prefix('N').map_or((false, rest), |rest| (true, rest));
+        matches!(rest, "" | "4" | "n" | "4n").then_some(Self {
+            textured,
+            colored,
+            normals,
+            other_dimension: !rest.is_empty(),
+        })
+    }
+}
+
+/// Reads the mesh in `bytes`; `path` is for messages.
+///
+/// # Errors
+///
+/// [`Error::File`] at the line that is not understood, and for a mesh without polygons.
+pub fn read(path: &Path, bytes: &[u8], warnings: &mut Vec<String>) -> Result<Mesh> {
+    let mut reader = Reader::new(path, bytes)?;
+    let mut mesh = reader.vertices()?;
+    let (mut colors, mut short, mut indexed) = (Vec::new(), 0, 0);
+    let mut corners = Vec::new();
+    for face in 0..reader.faces {
+        let count = reader.word("face", face)?;
+        let count = count.parse::<usize>().map_err(|_| reader.wrong(format!("`{count}` is no count of corners")))?;
+        corners.clear();
+        for _ in 0..count {
+            let word = reader.word("face", face)?;
+            let vertex = word.parse::<u32>().ok().filter(|&v| (v as usize) < mesh.positions.len());
+            corners.push(vertex.ok_or_else(|| {
+                let vertices = mesh.positions.len();
+                reader.wrong(format!("face {face} (from 0) refers to vertex {word}: there are {vertices} (from 0)"))
+            })?);
+        }
+        let extra = reader.rest_of_line();
+        if corners.len() < 3 {
+            short += 1;
+            continue;
+        }
+        mesh.polygons.push(&corners);
+        indexed += usize::from(extra.len() == 1);
+        colors.push(if extra.len() < 3 { None } else { Some(reader.color(&extra)) });
+    }
+    if short > 0 {
+        warnings.push(format!("{short} faces of fewer than three corners are left out"));
+    }
+    if mesh.polygons.is_empty() {
+        let message = format!("empty mesh: {} vertices, 0 faces", mesh.positions.len());
+        let hint = "give a mesh with at least one face of three corners; point clouds are not read";
+        return Err(Error::file(path, message, hint));
+    }
+    match mesh.validate() {
+        Err(Error::Data { message, hint }) => return Err(Error::file(path, message, hint)),
+        other => other?,
+    }
+    let by_vertex: Vec<_> = mesh.polygons.corners().iter().map(|&v| Some(v)).collect();
+    let of = |values: Vec<[f64; 3]>| CornerAttribute { values, indices: by_vertex.clone() };
+    mesh.normals = reader.kind.normals.then(|| of(std::mem::take(&mut reader.normals)));
+    mesh.texture_coordinates = reader
+        .kind
+        .textured
+        .then(|| CornerAttribute { values: std::mem::take(&mut reader.textures), indices: by_vertex.clone() });
+    if reader.colors.iter().any(Option::is_some) {
+        mesh.vertex_colors = Some(reader.units(&reader.colors));
+    }
+    let face_colors = colors.iter().any(Option::is_some).then(|| reader.units(&colors));
+    let left_out = if indexed > 0 { vec!["the face colours by number of a colour map".into()] } else { vec![] };
+    let colors_are_bytes = reader.bytes;
+    mesh.document = Document::new(Extras { double: true, colors_are_bytes, face_colors, left_out });
+    Ok(mesh)
+}
+
+/// Reads only the positions of vertices, #V × 3; the file may have no faces.
+///
+/// # Errors
+///
+/// As [`read`].
+pub fn read_positions(path: &Path, bytes: &[u8]) -> Result<Vec<Point3<f64>>> {
+    Ok(Reader::new(path, bytes)?.vertices()?.positions)
+}
+
+/// The words of a file line by line, without comments.
+struct Reader<'a> {
+    path: &'a Path,
+    lines: Vec<(usize, Vec<&'a str>)>,
+    line: usize,
+    word: usize,
+    kind: Kind,
+    vertices: usize,
+    faces: usize,
+    normals: Vec<[f64; 3]>,
+    textures: Vec<[f64; 2]>,
+    colors: Vec<Option<[f64; 4]>>,
+    /// Whether all colours are whole numbers.
+    bytes: bool,
+}
+
+impl<'a> Reader<'a> {
+    /// Reads the header.
+    fn new(path: &'a Path, bytes: &'a [u8]) -> Result<Self> {
+        let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+        let mut lines = Vec::new();
+        for (number, line) in bytes.split(|&b| b == b'\n').enumerate() {
+            // The numbers are ASCII; comments may be in any encoding.
+            let text = line.split(|&b| b == b'#').next().unwrap_or_default();
+            let text = std::str::from_utf8(text).map_err(|_| {
+                let message = "not an OFF: bytes that are no text";
+                let hint = "binary OFF is not read: convert it to PLY or text, e.g. in MeshLab";
+                Error::line(path, number + 1, message, hint)
+            })?;
+            for text in text.split('\r') {
+                let words: Vec<_> = text.split_ascii_whitespace().collect();
+                if !words.is_empty() {
+                    lines.push((number + 1, words));
+                }
+            }
+        }
+        let (line, word, kind) = (0, 0, Kind::default());
+        let (normals, textures, colors) = Default::default();
+        let mut reader =
+            Self { path, lines, line, word, kind, vertices: 0, faces: 0, normals, textures, colors, bytes: true };
+        // The first word may be missing in a plain file.
+        if let Some(kind) = reader.peek().and_then(Kind::new) {
+            reader.kind = kind;
+            reader.word("header", 0)?;
+        }
+        if reader.kind.other_dimension {
+            let hint = "give a mesh in three dimensions";
+            return Err(Error::file(path, "an OFF whose vertices have other than three coordinates", hint));
+        }
+        if reader.peek().is_some_and(|word| word.eq_ignore_ascii_case("binary")) {
+            let hint = "convert it to PLY or text, e.g. in MeshLab";
+            return Err(Error::file(path, "binary OFF is not read", hint));
+        }
+        let count = |reader: &mut Self| {
+            let word = reader.word("header", 0)?;
+            word.parse::<usize>().map_err(|_| reader.wrong(format!("`{word}` is no count of vertices or faces")))
+        };
+        reader.vertices = count(&mut reader)?;
+        reader.faces = count(&mut reader)?;
+        // The count of edges is of no use, and some programs leave it out.
+        reader.rest_of_line();
+        Ok(reader)
+    }
+
+    fn vertices(&mut self) -> Result<Mesh> {
+        let mut mesh = Mesh::default();
+        for vertex in 0..self.vertices {
+            let position = self.numbers::<3>(vertex)?;
+            mesh.positions.push(Point3::from(position));
+            if self.kind.normals {
+                let normal = self.numbers::<3>(vertex)?;
+                self.normals.push(normal.map(|x| if x.is_finite() { x } else { 0.0 }));
+            }
+            let mut extra = self.rest_of_line();
+            if self.kind.textured {
+                let from = extra.len().saturating_sub(2);
+                let numbers: Vec<f64> = extra.split_off(from).iter().filter_map(|word| word.parse().ok()).collect();
+                let finite = |k: usize| numbers.get(k).copied().filter(|x| x.is_finite()).unwrap_or_default();
+                self.textures.push([finite(0), finite(1)]);
+            }
+            // Many programs write colours without a C in the first word.
+            let is_color = matches!(extra.len(), 3 | 4);
+            if !is_color && !extra.is_empty() {
+                let message = format!("vertex {vertex} (from 0) has {} numbers too many", extra.len());
+                return Err(self.wrong(message));
+            }
+            let color = is_color.then(|| self.color(&extra));
+            self.colors.push(color);
+        }
+        Ok(mesh)
+    }
+
+    fn numbers<const N: usize>(&mut self, vertex: usize) -> Result<[f64; N]> {
+        let mut numbers = [0.0; N];
+        for number in &mut numbers {
+            let word = self.word("vertex", vertex)?;
+            *number =
+                word.parse().map_err(|_| self.wrong(format!("`{word}` of vertex {vertex} (from 0) is no number")))?;
+        }
+        Ok(numbers)
+    }
+
+    fn peek(&self) -> Option<&'a str> {
+        self.lines.get(self.line)?.1.get(self.word).copied()
+    }
+
+    /// The next word, which may stand on a later line.
+    fn word(&mut self, element: &str, entry: usize) -> Result<&'a str> {
+        if self.lines.get(self.line).is_some_and(|(_, words)| self.word == words.len()) {
+            self.line += 1;
+            self.word = 0;
+        }
+        let word = self.peek().ok_or_else(|| self.wrong(format!("the file ends in {element} {entry} (from 0)")))?;
+        self.word += 1;
+        Ok(word)
+    }
+
+    /// The words that are left on the line of the last one.
+    fn rest_of_line(&mut self) -> Vec<&'a str> {
+        let Some((_, words)) = self.lines.get(self.line) else { return Vec::new() };
+        let rest = words[self.word..].to_vec();
+        self.word = words.len();
+        rest
+    }
+
+    fn wrong(&self, message: String) -> Error {
+        let line = self.lines.get(self.line).or(self.lines.last()).map_or(1, |(line, _)| *line);
+        Error::line(self.path, line, format!("not an OFF: {message}"), DAMAGED)
+    }
+
+    /// A colour as it stands in the file; its opacity is NaN if it has none.
+    fn color(&mut self, words: &[&str]) -> [f64; 4] {
+        self.bytes &= !words.iter().any(|word| word.contains('.'));
+        let mut color = [0.0, 0.0, 0.0, f64::NAN];
+        for (part, word) in color.iter_mut().zip(words) {
+            *part = word.parse().unwrap_or_default();
+        }
+        color
+    }
+
+    /// Colours of 0 to 1, white where there is none: whole numbers are of 255, and of 1 where any colour of the file has a point.
+    fn units(&self, colors: &[Option<[f64; 4]>]) -> Vec<[f64; 4]> {
+        let full = if self.bytes { 255.0 } else { 1.0 };
+        let unit = |x: f64| if x.is_nan() { 1.0 } else { (x / full).clamp(0.0, 1.0) };
+        colors.iter().map(|color| color.map_or([1.0; 4], |color| color.map(unit))).collect()
+    }
+}
