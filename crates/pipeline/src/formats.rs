@@ -1,6 +1,9 @@
 //! Which format reads or writes a path.
 
-use std::path::{Path, PathBuf};
+use std::{
+    io::Read,
+    path::{Path, PathBuf},
+};
 
 use mimesh_core::{
     Error,
@@ -48,13 +51,35 @@ impl Formats {
         &self.all
     }
 
-    /// The format of `path`.
+    /// The format of `path`: that of its contents if they are certainly of another than its extension says, else that of its extension.
     ///
     /// # Errors
     ///
-    /// [`Unknown`] with the extensions that are read.
+    /// [`Unknown`] with the extensions that are read, and the format of the contents if that is known.
     pub fn reader(&self, path: &Path) -> Result<&dyn Format, Unknown> {
-        self.find(path, "read", |_| true)
+        let named = self.find(path, "read", |_| true);
+        let Some((start, length)) = start_of(path) else { return named };
+        if named.as_ref().is_ok_and(|named| named.recognises(&start, length) != Some(false)) {
+            return named;
+        }
+        let mut formats = self.all.iter().map(Box::as_ref);
+        let by_contents = formats.find(|format| format.recognises(&start, length) == Some(true));
+        match (named, by_contents) {
+            (Ok(_), Some(other)) => Ok(other),
+            (Err(unknown), Some(other)) => {
+                let extension = other.extensions()[0];
+                let hint = format!("by its contents it is {}: rename it to .{extension}", named_as(other));
+                Err(Unknown { hint, ..unknown })
+            }
+            (named, None) => named,
+        }
+    }
+
+    /// The sentence about a file that is not of the format that its extension says.
+    pub fn warning(&self, path: &Path) -> Option<String> {
+        let named = self.find(path, "read", |_| true).ok()?;
+        let read = self.reader(path).ok().filter(|read| read.typetag_name() != named.typetag_name())?;
+        Some(format!("by its contents the file is {}, not {}: it is read as such", named_as(read), named_as(named)))
     }
 
     /// Reads the selected part of the file `path`.
@@ -63,7 +88,9 @@ impl Formats {
     ///
     /// Those of the format, and [`Error::File`] for a path that no format fits.
     pub fn read(&self, path: &Path, selection: &Selection) -> Result<MeshSequence, Error> {
-        self.reader_for(path)?.read(&self.input(path), selection)
+        let mut read = self.reader_for(path)?.read(&self.input(path), selection)?;
+        read.warnings.extend(self.warning(path));
+        Ok(read)
     }
 
     /// Reads the positions of a pose of `rest` (#V × 3) from the file `path`.
@@ -134,6 +161,25 @@ impl Formats {
         };
         Err(Unknown { message, hint: format!("formats that {does}: {}", known.join(", ")) })
     }
+}
+
+/// The bytes by which a format is recognised.
+const START: u64 = 4096;
+
+/// The first bytes of the regular file `path`, and its length.
+fn start_of(path: &Path) -> Option<(Vec<u8>, u64)> {
+    let metadata = std::fs::metadata(path).ok().filter(std::fs::Metadata::is_file)?;
+    let mut start = Vec::new();
+    std::fs::File::open(path).ok()?.take(START).read_to_end(&mut start).ok()?;
+    Some((start, metadata.len()))
+}
+
+/// A format with its article, e.g. `a PLY`.
+fn named_as(format: &dyn Format) -> String {
+    let name = format.typetag_name().to_uppercase();
+    // Said letter by letter, these begin with a vowel.
+    let article = if name.starts_with(['A', 'E', 'F', 'I', 'L', 'M', 'N', 'O', 'R', 'S']) { "an" } else { "a" };
+    format!("{article} {name}")
 }
 
 /// The error of a path that no format fits.

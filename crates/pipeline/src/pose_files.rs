@@ -6,7 +6,7 @@ use mimesh_core::stage::{ClipChoice, ClipTimes};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{
     Deserialize, Deserializer, Serialize,
-    de::{self, MapAccess, SeqAccess, Visitor},
+    de::{self, DeserializeSeed, IntoDeserializer, MapAccess, SeqAccess, Visitor},
 };
 
 use crate::one_or_many::OneOrMany;
@@ -17,8 +17,22 @@ use crate::one_or_many::OneOrMany;
 pub enum Poses {
     /// Paths and globs.
     Files(OneOrMany),
+    /// Paths and globs, with how they are read.
+    Mapped(FilePoses),
     /// Frames of clips.
     Clips(ClipPoses),
+}
+
+/// Files of poses, and how they are read.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FilePoses {
+    /// A path or glob, or a sequence of them.
+    pub files: OneOrMany,
+    /// Take the vertices of each file in their order, whatever its polygons are. For files with the vertices of the rest mesh and
+    /// other polygons, or none.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub same_vertices: bool,
 }
 
 /// Frames of the clips of a file, which stand for poses.
@@ -41,6 +55,22 @@ pub struct ClipPoses {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("examples" = [[0.5, 1.5]]))]
     pub range: Option<[f64; 2]>,
+}
+
+impl Poses {
+    /// The paths and globs, if the poses are files.
+    pub fn files(&self) -> Option<&OneOrMany> {
+        match self {
+            Self::Files(files) => Some(files),
+            Self::Mapped(poses) => Some(&poses.files),
+            Self::Clips(_) => None,
+        }
+    }
+
+    /// Whether files need the vertices of the rest mesh only.
+    pub fn same_vertices(&self) -> bool {
+        matches!(self, Self::Mapped(poses) if poses.same_vertices)
+    }
 }
 
 impl ClipPoses {
@@ -78,12 +108,39 @@ impl<'de> Deserialize<'de> for Poses {
                 OneOrMany::deserialize(de::value::SeqAccessDeserializer::new(list)).map(Poses::Files)
             }
 
-            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Poses, A::Error> {
-                ClipPoses::deserialize(de::value::MapAccessDeserializer::new(map)).map(Poses::Clips)
+            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Poses, A::Error> {
+                let first: Option<String> = map.next_key()?;
+                let are_files = matches!(first.as_deref(), Some("files" | "same_vertices"));
+                let map = de::value::MapAccessDeserializer::new(FromFirst { first, map });
+                if are_files {
+                    return FilePoses::deserialize(map).map(Poses::Mapped);
+                }
+                ClipPoses::deserialize(map).map(Poses::Clips)
             }
         }
 
         deserializer.deserialize_any(FilesOrClips)
+    }
+}
+
+/// A mapping whose first key has been read.
+struct FromFirst<A> {
+    first: Option<String>,
+    map: A,
+}
+
+impl<'de, A: MapAccess<'de>> MapAccess<'de> for FromFirst<A> {
+    type Error = A::Error;
+
+    fn next_key_seed<K: DeserializeSeed<'de>>(&mut self, seed: K) -> Result<Option<K::Value>, A::Error> {
+        match self.first.take() {
+            Some(first) => seed.deserialize(first.into_deserializer()).map(Some),
+            None => self.map.next_key_seed(seed),
+        }
+    }
+
+    fn next_value_seed<V: DeserializeSeed<'de>>(&mut self, seed: V) -> Result<V::Value, A::Error> {
+        self.map.next_value_seed(seed)
     }
 }
 
@@ -96,6 +153,7 @@ impl JsonSchema for Poses {
         json_schema!({ "oneOf": [
             { "type": "string" },
             { "type": "array", "items": { "type": "string" } },
+            FilePoses::json_schema(generator),
             ClipPoses::json_schema(generator)
         ] })
     }

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use mimesh_core::{
     mesh::MeshSequence,
-    stage::{ClipChoice, PoseChoice, RestShape, Selection, check_pose},
+    stage::{ClipChoice, PoseChoice, RestShape, Selection, check_pose, check_vertices},
 };
 use mimesh_document::{At, Diagnostic, Kind, Step, path};
 
@@ -29,7 +29,10 @@ pub(super) fn is_readable(scope: Scope<'_>, found: &mut Findings, file: &Path, a
         return false;
     }
     match scope.formats.reader(file) {
-        Ok(_) => true,
+        Ok(_) => {
+            found.warn_of_file(file, scope.formats.warning(file).as_slice());
+            true
+        }
         Err(unknown) => {
             found.wrong(scope, at, At::Value, unknown.message, unknown.hint);
             false
@@ -218,7 +221,11 @@ fn hold(
     if read.poses.is_empty() {
         return Ok(vec![]);
     }
-    check_pose(file, &mesh.sequence.rest, read.rest.positions.len(), &read.rest.polygons)?;
+    let rest = &mesh.sequence.rest;
+    match mesh.selection.same_vertices {
+        true => check_vertices(file, rest, read.rest.positions.len())?,
+        false => check_pose(file, rest, read.rest.positions.len(), &read.rest.polygons)?,
+    }
     let first = mesh.sequence.poses.len();
     mesh.sequence.poses.extend(read.poses);
     Ok(held_poses(mesh, first))

@@ -21,7 +21,6 @@ use super::{
 use crate::{
     globs::{expand, is_glob, nearby},
     input::{PoseFrom, PoseInput, RestMesh, read_pose},
-    one_or_many::OneOrMany,
     pose_files::Poses,
     rest::Rest,
     spec::Source,
@@ -44,15 +43,19 @@ pub(super) fn source(
         return (None, vec![], None);
     }
     let (mut mesh, chosen) = rest_and_clip(scope, found, source);
-    let poses = match (source.poses.as_ref().or(chosen.as_ref()), &mut mesh) {
-        (Some(Poses::Files(patterns)), mesh) => {
-            let files = pose_files(scope, found, patterns, source.rest.as_ref());
-            let named = |file: PoseInput| (file.name.clone(), poses_in(scope, found, mesh.as_mut(), file));
-            told_apart(files.into_iter().map(named).collect())
-        }
+    let declared = source.poses.as_ref().or(chosen.as_ref());
+    if let Some(mesh) = &mut mesh {
+        mesh.selection.same_vertices = declared.is_some_and(Poses::same_vertices);
+    }
+    let poses = match (declared, &mut mesh) {
         (Some(Poses::Clips(clips)), Some(mesh)) => frames(scope, found, mesh, clips),
         (None, Some(mesh)) => own_poses(scope, found, mesh),
         (Some(Poses::Clips(_)) | None, None) => vec![],
+        (Some(files), mesh) => {
+            let files = pose_files(scope, found, files, source.rest.as_ref());
+            let named = |file: PoseInput| (file.name.clone(), poses_in(scope, found, mesh.as_mut(), file));
+            told_apart(files.into_iter().map(named).collect())
+        }
     };
     let poses = with_unique_names(scope, found, poses);
     let pose = source.rest.as_ref().and_then(|rest| rest.pose.as_deref());
@@ -143,9 +146,13 @@ fn resting_at(
     None
 }
 
-/// The poses in the files that `patterns` stand for, without the rest mesh.
-fn pose_files(scope: Scope<'_>, found: &mut Findings, patterns: &OneOrMany, rest: Option<&Rest>) -> Vec<PoseInput> {
-    let slot = path(["source", "poses"]);
+/// The poses in the files that `poses` stand for, without the rest mesh.
+fn pose_files(scope: Scope<'_>, found: &mut Findings, poses: &Poses, rest: Option<&Rest>) -> Vec<PoseInput> {
+    let Some(patterns) = poses.files() else { return vec![] };
+    let slot = match poses {
+        Poses::Mapped(_) => path(["source", "poses", "files"]),
+        _ => path(["source", "poses"]),
+    };
     let rest = rest.map(|rest| identity(&scope.path(&at_file(scope, "source"), &rest.file)));
     if patterns.items.is_empty() {
         found.wrong(scope, &slot, At::Value, "the sequence of poses is empty", "name at least one file");

@@ -42,7 +42,8 @@ pub fn read_pose(source: &RestMesh, formats: &Formats, from: &PoseFrom) -> Resul
     let positions = match from {
         PoseFrom::Held(i) => source.sequence.poses[*i].positions.get().into_owned(),
         PoseFrom::File(path) => {
-            let selection = Selection { meshes: source.selection.meshes.clone(), ..Selection::default() };
+            let Selection { meshes, same_vertices, .. } = &source.selection;
+            let selection = Selection { meshes: meshes.clone(), same_vertices: *same_vertices, ..Selection::default() };
             formats.read_pose(path, &selection, &source.sequence.rest)?
         }
     };
