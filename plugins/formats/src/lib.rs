@@ -4,6 +4,7 @@
 //! |---|---|---|---|
 //! | [`obj`](Obj) | obj | polygons, normals, texture coordinates, colours of vertices, groups, materials with images | one file a pose |
 //! | [`glb`](Glb), [`gltf`](Gltf) | glb, gltf | meshes of the scene, morph targets as poses | one file with all poses |
+//! | [`fbx`](Fbx) | fbx | meshes of the scene in metres with Y up, blend shapes and frames of clips as poses | |
 //! | [`ply`](Ply) | ply | polygons, strips; normals, texture coordinates, colours of vertices and faces | one file a pose |
 //! | [`off`](Off) | off | polygons; normals, texture coordinates, colours of vertices and faces | one file a pose |
 //! | [`stl`](Stl) | stl | triangles | one file a pose |
@@ -11,10 +12,13 @@
 //! Texture coordinates have their origin at the lower left, whatever the file says.
 
 mod attributes;
+mod clip_frames;
 mod encoding;
 mod extras;
+mod fbx;
 mod gltf;
 mod lost;
+mod names;
 mod normals;
 mod number;
 mod obj;
@@ -23,6 +27,7 @@ mod paths;
 mod ply;
 mod stl;
 
+pub use fbx::Fbx;
 pub use gltf::{Glb, Gltf, LengthUnit, PoseAnimation, UpAxis};
 pub use obj::Obj;
 pub use off::Off;

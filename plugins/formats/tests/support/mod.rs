@@ -1,6 +1,7 @@
 //! What the tests of several formats share.
 #![allow(dead_code, reason = "every test file takes what it needs")]
 
+pub mod fbx;
 pub mod gltf;
 
 use std::path::Path;

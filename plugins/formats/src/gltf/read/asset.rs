@@ -1,6 +1,6 @@
 //! A glTF with all its bytes.
 
-use std::collections::{BTreeMap, HashSet};
+use std::collections::BTreeMap;
 
 use gltf::json::{Index, Root, validation::USize64};
 use serde_json::Value;
@@ -60,16 +60,4 @@ pub fn follow<'a, T>(list: &'a [T], index: Index<T>, what: &str) -> Result<&'a T
 /// A length or an offset; what does not fit in memory is larger than any file.
 pub fn size(number: USize64) -> usize {
     usize::try_from(number.0).unwrap_or(usize::MAX)
-}
-
-/// No message has more names than this.
-const MAX_QUOTED: usize = 40;
-
-/// Names between backticks with commas, each once; of many the first.
-pub fn quoted<S: AsRef<str>>(names: &[S]) -> String {
-    let mut seen = HashSet::new();
-    let once: Vec<&str> = names.iter().map(AsRef::as_ref).filter(|name| seen.insert(*name)).collect();
-    let shown: Vec<String> = once.iter().take(MAX_QUOTED).map(|name| format!("`{name}`")).collect();
-    let more = once.len() - shown.len();
-    if more > 0 { format!("{} and {more} more", shown.join(", ")) } else { shown.join(", ") }
 }

@@ -11,11 +11,11 @@ use mimesh_core::mesh::Animation;
 
 use super::{
     accessor::numbers,
-    asset::{Asset, follow, quoted},
-    names::all_distinct,
+    asset::{Asset, follow},
     nodes::Local,
     sampler::Sampler,
 };
+use crate::names::all_distinct;
 
 /// An animation that can be looked at at any time.
 #[derive(Debug)]
@@ -152,19 +152,4 @@ pub fn list(asset: &Asset, clips: &[Clip]) -> Vec<Animation> {
         Animation { name: clip.name.clone(), seconds, channels: channels.map(str::to_owned).collect() }
     };
     clips.iter().map(describe).collect()
-}
-
-/// The clip called `name`.
-///
-/// # Errors
-///
-/// Names the clips that there are.
-pub fn find(clips: &[Clip], name: &str) -> Result<usize, String> {
-    clips.iter().position(|clip| clip.name == name).ok_or_else(|| {
-        let names: Vec<_> = clips.iter().map(|clip| &clip.name).collect();
-        match &names[..] {
-            [] => format!("no clip is called `{name}`: the file has none"),
-            names => format!("no clip is called `{name}`: the file has {}", quoted(names)),
-        }
-    })
 }

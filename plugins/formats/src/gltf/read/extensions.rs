@@ -5,10 +5,8 @@ use std::collections::BTreeSet;
 use gltf::json::{Accessor, Index, mesh::Primitive};
 use serde_json::{Map, Value};
 
-use super::{
-    asset::{Asset, quoted},
-    draco,
-};
+use super::{asset::Asset, draco};
+use crate::names::quoted;
 
 /// The way out where a mesh is compressed.
 pub const UNCOMPRESS: &str = "export it without compression, or undo it: `npx @gltf-transform/cli copy in.glb out.glb`";

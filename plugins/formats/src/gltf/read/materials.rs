@@ -4,7 +4,8 @@ use std::collections::HashSet;
 
 use mimesh_core::mesh;
 
-use super::{asset::Asset, names::all_distinct};
+use super::asset::Asset;
+use crate::names::all_distinct;
 
 /// The names of materials, or their numbers; a name that an earlier one has is told apart by a number.
 pub fn names(materials: &[gltf::json::Material]) -> Vec<String> {

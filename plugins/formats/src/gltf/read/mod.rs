@@ -2,7 +2,7 @@
 //!
 //! - [`container`], [`uri`], [`tolerant`], [`extensions`], [`asset`] and [`open`]: the JSON, made readable for `gltf-json`, and the bytes;
 //! - [`meshopt`], [`draco`], [`views`] and [`accessor`]: numbers out of bytes;
-//! - [`names`], [`nodes`], [`scene`], [`skin`], [`morphs`], [`sampler`] and [`clips`]: what places and moves vertices;
+//! - [`nodes`], [`scene`], [`skin`], [`morphs`], [`sampler`] and [`clips`]: what places and moves vertices;
 //! - [`evaluator`] and [`poses`]: positions in any state of that;
 //! - [`primitive`], [`attributes`], [`materials`], [`builder`] and [`reader`]: the mesh.
 
@@ -18,7 +18,6 @@ mod extensions;
 mod materials;
 mod meshopt;
 mod morphs;
-mod names;
 mod nodes;
 mod open;
 mod poses;

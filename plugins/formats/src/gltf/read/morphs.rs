@@ -8,9 +8,9 @@ use serde_json::Value;
 use super::{
     accessor::{few, numbers},
     asset::Asset,
-    names::{all_distinct, distinct},
     scene::Placed,
 };
+use crate::names::{all_distinct, distinct};
 
 /// The displacements of a morph target, of those vertices that it moves.
 #[derive(Debug, Default)]

@@ -4,10 +4,11 @@ use gltf::json::Root;
 use mimesh_core::{Error, Result, stage::FileInput};
 
 use super::{
-    asset::{Asset, DAMAGED, quoted},
+    asset::{Asset, DAMAGED},
     container::{Binary, MAX_PADDING, chunks},
     draco, extensions, meshopt, tolerant, uri,
 };
+use crate::names::quoted;
 
 impl Asset {
     /// Reads a `.glb` or `.gltf`, told apart by their first bytes, and the buffers it refers to.

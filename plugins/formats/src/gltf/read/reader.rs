@@ -7,7 +7,7 @@ use mimesh_core::{
 };
 
 use super::{
-    asset::{Asset, DAMAGED, quoted},
+    asset::{Asset, DAMAGED},
     builder::{Builder, Piece, assemble},
     clips,
     evaluator::{Evaluator, Run},
@@ -16,7 +16,10 @@ use super::{
     poses::{self, NamedShape},
     scene::{self, Placed},
 };
-use crate::gltf::document::{GltfDocument, Placement, RestingNode, Transforms};
+use crate::{
+    gltf::document::{GltfDocument, Placement, RestingNode, Transforms},
+    names::quoted,
+};
 
 /// The way out where a file has no part of a name.
 const CHOOSE: &str = "name parts that the file has, by their nodes, meshes or materials";

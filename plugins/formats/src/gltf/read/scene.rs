@@ -3,10 +3,11 @@
 use std::collections::HashSet;
 
 use super::{
-    asset::{Asset, follow, quoted},
+    asset::{Asset, follow},
     materials,
     primitive::is_thin,
 };
+use crate::names::unknown_part;
 
 /// A node that shows a mesh.
 #[derive(Clone, Debug)]
@@ -98,11 +99,7 @@ pub fn choose(asset: &Asset, placed: &mut Vec<Placed>, names: &[String]) -> Resu
     placed.retain(|placed| !placed.primitives.is_empty());
     match names.iter().find(|name| !known.contains(name)) {
         None => Ok(()),
-        Some(name) => {
-            let kinds = ["nodes", "meshes", "materials"].into_iter().zip(&all).filter(|(_, all)| !all.is_empty());
-            let lists: Vec<String> = kinds.map(|(kind, all)| format!("{kind} {}", quoted(all))).collect();
-            Err(format!("nothing in the file is called `{name}`: it has the {}", lists.join(", the ")))
-        }
+        Some(name) => Err(unknown_part(name, &all)),
     }
 }
 
