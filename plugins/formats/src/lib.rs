@@ -6,8 +6,10 @@
 //! | [`glb`](Glb), [`gltf`](Gltf) | glb, gltf | meshes of the scene, morph targets as poses | one file with all poses |
 //! | [`fbx`](Fbx) | fbx | meshes of the scene in metres with Y up, blend shapes and frames of clips as poses | |
 //! | [`ply`](Ply) | ply | polygons, strips; normals, texture coordinates, colours of vertices and faces | one file a pose |
+//! | [`pc2`](Pc2), [`mdd`](Mdd) | pc2, mdd | frames as poses of the mesh in another file | one file with all poses |
 //! | [`off`](Off) | off | polygons; normals, texture coordinates, colours of vertices and faces | one file a pose |
 //! | [`stl`](Stl) | stl | triangles | one file a pose |
+//! | [`usda`](Usda) | usda | | one file with all poses as time samples |
 //!
 //! Texture coordinates have their origin at the lower left, whatever the file says.
 
@@ -25,11 +27,15 @@ mod obj;
 mod off;
 mod paths;
 mod ply;
+mod point_cache;
 mod stl;
+mod usd;
 
 pub use fbx::Fbx;
 pub use gltf::{Glb, Gltf, LengthUnit, PoseAnimation, UpAxis};
 pub use obj::Obj;
 pub use off::Off;
 pub use ply::{Encoding, Ply, Precision};
+pub use point_cache::{Mdd, Pc2};
 pub use stl::Stl;
+pub use usd::Usda;

@@ -68,6 +68,16 @@ pub trait Format: Debug + Send + Sync {
         false
     }
 
+    /// Whether a file holds polygons. A point cache has positions alone: its poses are those of a mesh in another file.
+    fn holds_faces(&self) -> bool {
+        true
+    }
+
+    /// Whether files are read; a format that only writes gives an error in [`read`](Self::read).
+    fn reads(&self) -> bool {
+        true
+    }
+
     /// How this format writes; `None` if it only reads.
     fn writer(&self) -> Option<MeshWriter<'_>> {
         None
@@ -90,6 +100,8 @@ pub fn check_vertices(path: &Path, rest: &Mesh, vertices: usize) -> Result<()> {
 
 /// Checks that a pose read from `path`, of `vertices` vertices and of `polygons`, is a pose of `rest`.
 ///
+/// Without polygons, as in a point cache, only the vertices are counted.
+///
 /// # Errors
 ///
 /// [`Error::File`] that names the counts, or the first polygon (from 0), in which they differ.
@@ -100,6 +112,9 @@ pub fn check_pose(path: &Path, rest: &Mesh, vertices: usize, polygons: &Polygons
         Err(Error::file(path, message, hint))
     };
     check_vertices(path, rest, vertices)?;
+    if polygons.is_empty() {
+        return Ok(());
+    }
     if polygons.len() != rest.polygons.len() {
         return differ(format!("pose has {} polygons, the rest mesh {}", polygons.len(), rest.polygons.len()));
     }

@@ -1,0 +1,141 @@
+//! PC2, the point cache of 3ds Max and of modifiers in Blender.
+
+use std::io::Write;
+
+use mimesh_core::{
+    Error, Result,
+    mesh::{ClipTime, Mesh, MeshSequence},
+    plugin::check_ranges,
+    register,
+    stage::{FileInput, Format, MeshWriter, Selection, SequenceFormat, SequenceWriter, WriteError},
+};
+use nalgebra::Point3;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::{
+    samples::{DAMAGED, Samples, sequence},
+    spool::Spool,
+};
+
+register!(Format: Pc2);
+
+/// PC2, a point cache: the vertices of a mesh at evenly spaced frames, without the mesh.
+///
+/// In, its frames are poses of the rest mesh, which has as many vertices. Out, poses are appended one by one; the rest is not among
+/// them. Positions are f32, in the unit and axes of the mesh.
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Pc2 {
+    /// Frames a second, which the file does not say: they turn its frames into seconds and back.
+    #[schemars(range(min = 0.001, max = 1_000_000.0))]
+    pub frames_per_second: f64,
+}
+
+impl Default for Pc2 {
+    fn default() -> Self {
+        Self { frames_per_second: 24.0 }
+    }
+}
+
+#[typetag::serde(name = "pc2")]
+impl Format for Pc2 {
+    fn extensions(&self) -> &'static [&'static str] {
+        &["pc2"]
+    }
+
+    fn read(&self, input: &dyn FileInput, selection: &Selection) -> Result<MeshSequence> {
+        check_ranges(self)?;
+        let bytes = input.contents()?.into_owned();
+        let samples = self.samples(bytes).map_err(|message| Error::file(input.path(), message, DAMAGED))?;
+        sequence(input.path(), samples, selection)
+    }
+
+    fn holds_poses(&self) -> bool {
+        true
+    }
+
+    fn holds_faces(&self) -> bool {
+        false
+    }
+
+    fn writer(&self) -> Option<MeshWriter<'_>> {
+        Some(MeshWriter::Sequence(self))
+    }
+}
+
+impl SequenceFormat for Pc2 {
+    fn start(&self, mesh: &Mesh) -> Result<Box<dyn SequenceWriter>, WriteError> {
+        check_ranges(self)?;
+        let spool = Spool::new(mesh.positions.len(), 1.0 / self.frames_per_second, f32::to_le_bytes)?;
+        Ok(Box::new(Writer { spool, frames_per_second: self.frames_per_second }))
+    }
+}
+
+/// The first bytes of a file.
+const MAGIC: &[u8; 12] = b"POINTCACHE2\0";
+
+/// Bytes before the positions.
+const HEADER: usize = 32;
+
+impl Pc2 {
+    /// The header: magic, version, points a sample, first frame, frames a sample, samples; numbers are little-endian.
+    fn samples(&self, bytes: Vec<u8>) -> Result<Samples, String> {
+        if bytes.get(..MAGIC.len()) != Some(MAGIC) {
+            return Err("not a PC2: it does not start with `POINTCACHE2`".into());
+        }
+        let Some(header) = bytes.get(MAGIC.len()..HEADER) else {
+            return Err(format!("the header takes {HEADER} bytes, the file has {}", bytes.len()));
+        };
+        let word = |index: usize| -> [u8; 4] { header[4 * index..][..4].try_into().expect("the slice has four bytes") };
+        let (version, [points, samples]) = (i32::from_le_bytes(word(0)), [1, 4].map(|i| i32::from_le_bytes(word(i))));
+        if version != 1 {
+            return Err(format!("PC2 of version {version}: expected 1"));
+        }
+        let (Ok(points), Ok(count)) = (usize::try_from(points), usize::try_from(samples)) else {
+            return Err(format!("{samples} samples of {points} points: expected numbers above 0"));
+        };
+        let [start, rate] = [2, 3].map(|index| f64::from(f32::from_le_bytes(word(index))));
+        if !start.is_finite() || !(rate > 0.0 && rate.is_finite()) {
+            return Err(format!(
+                "first frame {start} and {rate} frames a sample: expected finite numbers, the second above 0"
+            ));
+        }
+        // Times that the file has no room for are not made.
+        let count =
+            if count > bytes.len() { return Err(format!("{count} samples in {} bytes", bytes.len())) } else { count };
+        let times = (0..count).map(|sample| (start + sample as f64 * rate) / self.frames_per_second).collect();
+        Ok(Samples { bytes, start: HEADER, points, times, decode: f32::from_le_bytes })
+    }
+}
+
+/// A file in the making.
+struct Writer {
+    spool: Spool,
+    frames_per_second: f64,
+}
+
+impl SequenceWriter for Writer {
+    fn add(&mut self, name: &str, time: Option<&ClipTime>, positions: &[Point3<f64>]) -> Result<(), WriteError> {
+        self.spool.add(name, time, positions)
+    }
+
+    fn warnings(&self) -> Vec<String> {
+        self.spool.warnings()
+    }
+
+    fn finish(self: Box<Self>, out: &mut dyn Write) -> Result<(), WriteError> {
+        let times = &self.spool.times;
+        let (count, points) = (Spool::count(times.len())?, Spool::count(self.spool.points)?);
+        let (first, last) = (times.first().copied().unwrap_or(0.0), times.last().copied().unwrap_or(0.0));
+        let rate =
+            if times.len() > 1 { (last - first) * self.frames_per_second / (times.len() - 1) as f64 } else { 1.0 };
+        out.write_all(MAGIC)?;
+        out.write_all(&1_i32.to_le_bytes())?;
+        out.write_all(&points.to_le_bytes())?;
+        out.write_all(&((first * self.frames_per_second) as f32).to_le_bytes())?;
+        out.write_all(&(rate as f32).to_le_bytes())?;
+        out.write_all(&count.to_le_bytes())?;
+        self.spool.finish(out)
+    }
+}

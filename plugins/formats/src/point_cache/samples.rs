@@ -1,0 +1,137 @@
+//! The samples of a point cache as poses.
+
+use std::{path::Path, sync::Arc};
+
+use mimesh_core::{
+    Error, Result,
+    mesh::{Animation, ClipTime, ComputePoses, Mesh, MeshSequence, Pose, Positions},
+    stage::{ClipChoice, ClipTimes, PoseChoice, RestShape, Selection},
+};
+use nalgebra::Point3;
+
+use crate::{
+    clip_frames::{ClipKeys, check_rest_time, frames},
+    names::find,
+};
+
+/// Bytes of a position: three f32.
+pub const POSITION: usize = 12;
+
+/// The way out of a file that cannot be read.
+pub const DAMAGED: &str = "the file is damaged or cut short: export it again";
+
+/// The contents of a point cache.
+pub struct Samples {
+    /// The file.
+    pub bytes: Vec<u8>,
+    /// Where the first position starts.
+    pub start: usize,
+    /// Positions a sample.
+    pub points: usize,
+    /// The seconds of each sample.
+    pub times: Vec<f64>,
+    /// How a number is stored.
+    pub decode: fn([u8; 4]) -> f32,
+}
+
+/// The poses that are asked for.
+struct Poses {
+    samples: Samples,
+    /// The time of each.
+    seconds: Vec<f64>,
+}
+
+impl Samples {
+    /// Checks that the file is long enough.
+    ///
+    /// # Errors
+    ///
+    /// The message with both lengths, or that there is no sample or no point.
+    pub fn check_length(&self) -> Result<(), String> {
+        let (samples, points) = (self.times.len(), self.points);
+        if samples == 0 || points == 0 {
+            return Err(format!("empty point cache: {samples} samples of {points} points"));
+        }
+        let wanted = samples.checked_mul(points).and_then(|count| count.checked_mul(POSITION));
+        let wanted = wanted.and_then(|bytes| bytes.checked_add(self.start));
+        if wanted.is_none_or(|wanted| wanted > self.bytes.len()) {
+            let wanted = wanted.map_or("more than there can be".to_owned(), |wanted| wanted.to_string());
+            let found = self.bytes.len();
+            return Err(format!("{samples} samples of {points} points take {wanted} bytes, the file has {found}"));
+        }
+        Ok(())
+    }
+
+    /// The positions at a time: those of a sample, or evenly between two; the first and the last hold beyond the ends.
+    fn at(&self, seconds: f64) -> Vec<Point3<f64>> {
+        let after = self.times.partition_point(|time| *time <= seconds);
+        let before = after.saturating_sub(1);
+        let last = self.times.len() - 1;
+        let mut positions = self.sample(before);
+        let [from, to] = [before, after.min(last)].map(|sample| self.times[sample]);
+        let share = if to > from { ((seconds - from) / (to - from)).clamp(0.0, 1.0) } else { 0.0 };
+        if share > 0.0 {
+            let next = self.sample(after.min(last));
+            positions.iter_mut().zip(next).for_each(|(position, next)| *position += (next - *position) * share);
+        }
+        positions
+    }
+
+    fn sample(&self, sample: usize) -> Vec<Point3<f64>> {
+        let size = self.points * POSITION;
+        let bytes = &self.bytes[self.start + sample * size..][..size];
+        let number = |bytes: &[u8]| f64::from((self.decode)([bytes[0], bytes[1], bytes[2], bytes[3]]));
+        let position = |bytes: &[u8]| Point3::new(number(&bytes[..4]), number(&bytes[4..8]), number(&bytes[8..]));
+        bytes.chunks_exact(POSITION).map(position).collect()
+    }
+}
+
+impl ComputePoses for Poses {
+    fn positions(&self, index: usize) -> Vec<Point3<f64>> {
+        self.samples.at(self.seconds[index])
+    }
+}
+
+/// The poses that a selection asks for. The file is one clip, called as it is; its rest is the first sample.
+///
+/// # Errors
+///
+/// [`Error::File`] if the file is cut short, or has no such clip, pose or times.
+pub fn sequence(path: &Path, samples: Samples, selection: &Selection) -> Result<MeshSequence> {
+    samples.check_length().map_err(|message| Error::file(path, message, DAMAGED))?;
+    let unknown = |message: String| Error::file(path, message, "the clip of a point cache is called as its file");
+    let name = path.file_stem().map_or_else(|| "cache".into(), |stem| stem.to_string_lossy().into_owned());
+    let (first, last) = (samples.times[0], samples.times[samples.times.len() - 1]);
+    let clips = [ClipKeys { name: name.clone(), span: [first, last], key_times: samples.times.clone() }];
+    let mut warnings = Vec::new();
+    let all = ClipChoice { times: ClipTimes::Keys, ..ClipChoice::default() };
+    let every = frames(&all, &clips, &mut warnings).map_err(unknown)?;
+    let rest = match &selection.rest {
+        RestShape::Stored => first,
+        RestShape::Pose(pose) => {
+            let pose = find("pose", every.iter().map(|frame| frame.name.as_str()), pose).map_err(unknown)?;
+            every[pose].seconds
+        }
+        RestShape::Clip { name, seconds } => {
+            let clip = find("clip", [clips[0].name.as_str()], name).map_err(unknown)?;
+            check_rest_time(name, clips[clip].span, *seconds, &mut warnings).map_err(unknown)?;
+            *seconds
+        }
+    };
+    let chosen = match &selection.poses {
+        PoseChoice::Nothing => Vec::new(),
+        PoseChoice::Shapes => every,
+        PoseChoice::Clips(choice) => frames(choice, &clips, &mut warnings).map_err(unknown)?,
+    };
+    let rest = Mesh { positions: samples.at(rest), ..Mesh::default() };
+    let seconds = chosen.iter().map(|frame| frame.seconds).collect();
+    let poses = Arc::new(Poses { samples, seconds });
+    let pose = |(index, frame): (usize, crate::clip_frames::Frame)| Pose {
+        name: frame.name,
+        time: Some(ClipTime { clip: name.clone(), seconds: frame.seconds }),
+        positions: Positions::Computed(poses.clone(), index),
+    };
+    let animation = Animation { name: name.clone(), seconds: last, channels: vec!["vertices".into()] };
+    let poses = chosen.into_iter().enumerate().map(pose).collect();
+    Ok(MeshSequence { rest, poses, animations: vec![animation], warnings, ..MeshSequence::default() })
+}
