@@ -252,3 +252,55 @@ error: p.yaml:3:17: correspondence (nonrigid_fit): the 3 markers lie on one line
 ",
     );
 }
+
+#[test]
+fn files_of_other_programs_are_named_with_a_way_to_convert_them() {
+    let project = Project::new();
+    let ways = [
+        ("blend", "Blender"),
+        ("abc", ".pc2 or .mdd"),
+        ("usd", "Blender"),
+        ("usda", "Blender"),
+        ("usdc", "Blender"),
+        ("usdz", "Blender"),
+        ("max", "3ds Max"),
+        ("ma", "Maya"),
+        ("MB", "Maya"),
+        ("c4d", "Cinema 4D"),
+        ("dae", "assimp export"),
+        ("3ds", "assimp export"),
+        ("x3d", "assimp export"),
+        ("wrl", "assimp export"),
+        ("step", "FreeCAD"),
+        ("bvh", "without a mesh"),
+        ("vtk", "meshio convert"),
+    ];
+    for (extension, way) in ways {
+        let file = format!("a.{extension}");
+        project.write(&file, "");
+        let output = project.mimesh(&["inspect", &file]);
+        assert_eq!(output.status, 65, "{}", output.stderr);
+        let lower = extension.to_lowercase();
+        let message = format!("error: {file}: no format can read .{lower} files");
+        assert!(output.stderr.starts_with(&message), "{}", output.stderr);
+        assert!(output.stderr.contains(way) && output.stderr.contains("formats that read: "), "{}", output.stderr);
+    }
+}
+
+#[test]
+fn a_point_cache_is_no_mesh_but_gives_one_poses() {
+    let project = Project::new();
+    // One sample of the cube's eight vertices at the origin, as PC2.
+    let mut cache = b"POINTCACHE2\0".to_vec();
+    cache.extend([1_i32, 8].map(i32::to_le_bytes).concat());
+    cache.extend([0_f32, 1.0].map(f32::to_le_bytes).concat());
+    cache.extend(1_i32.to_le_bytes());
+    cache.extend([0; 8 * 12]);
+    std::fs::write(project.path("a.pc2"), cache).unwrap();
+    let output = project.mimesh(&["inspect", "a.pc2"]);
+    assert_eq!(output.status, 65);
+    assert_eq!(
+        output.stderr.trim_end(),
+        "error: a.pc2: empty mesh: 8 vertices, 0 polygons\n  hint: give a mesh with at least one triangle; point clouds and curves cannot take a deformation, and a point cache has poses alone"
+    );
+}

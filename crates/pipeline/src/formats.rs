@@ -57,7 +57,10 @@ impl Formats {
     ///
     /// [`Unknown`] with the extensions that are read, and the format of the contents if that is known.
     pub fn reader(&self, path: &Path) -> Result<&dyn Format, Unknown> {
-        let named = self.find(path, "read", |_| true);
+        let named = self.find(path, "read", |format| format.reads()).map_err(|unknown| match elsewhere(path) {
+            Some(way) => Unknown { hint: format!("{way}; {}", unknown.hint), ..unknown },
+            None => unknown,
+        });
         let Some((start, length)) = start_of(path) else { return named };
         if named.as_ref().is_ok_and(|named| named.recognises(&start, length) != Some(false)) {
             return named;
@@ -77,7 +80,7 @@ impl Formats {
 
     /// The sentence about a file that is not of the format that its extension says.
     pub fn warning(&self, path: &Path) -> Option<String> {
-        let named = self.find(path, "read", |_| true).ok()?;
+        let named = self.find(path, "read", |format| format.reads()).ok()?;
         let read = self.reader(path).ok().filter(|read| read.typetag_name() != named.typetag_name())?;
         Some(format!("by its contents the file is {}, not {}: it is read as such", named_as(read), named_as(named)))
     }
@@ -180,6 +183,42 @@ fn named_as(format: &dyn Format) -> String {
     // Said letter by letter, these begin with a vowel.
     let article = if name.starts_with(['A', 'E', 'F', 'I', 'L', 'M', 'N', 'O', 'R', 'S']) { "an" } else { "a" };
     format!("{article} {name}")
+}
+
+/// How files of other programs become files that are read; `None` where the extension is not known.
+fn elsewhere(path: &Path) -> Option<&'static str> {
+    const BLENDER: &str = "import it in Blender and export glTF 2.0 (.glb)";
+    const FBX: &str = "open it in its program and export FBX";
+    let extension = path.extension()?.to_string_lossy().to_lowercase();
+    Some(match extension.as_str() {
+        "blend" => {
+            "export glTF 2.0 in Blender: \
+             `blender -b in.blend --python-expr \"import bpy; bpy.ops.export_scene.gltf(filepath='out.glb')\"`"
+        }
+        "abc" => "import it in Blender, export the mesh as .obj or .glb and its frames as .pc2 or .mdd",
+        "usd" | "usda" | "usdc" | "usdz" => BLENDER,
+        "bvh" => {
+            "a .bvh has a skeleton without a mesh: pose the character with it in Blender and export glTF 2.0 (.glb)"
+        }
+        "max" => "export FBX in 3ds Max: File > Export, with skins and morphs",
+        "ma" | "mb" => "export FBX in Maya: File > Export All, type FBX export, with skins and blend shapes",
+        "c4d" => "export FBX in Cinema 4D: File > Export > FBX",
+        "ztl" | "zpr" => "export OBJ or FBX in ZBrush",
+        "hip" | "hipnc" | "bgeo" | "geo" => "export FBX or OBJ in Houdini",
+        "lwo" | "lws" | "skp" | "3dm" | "xsi" | "mud" | "spp" | "iclone" => FBX,
+        "dae" | "3ds" | "x" | "x3d" | "wrl" | "vrml" | "3mf" | "ase" | "ac" | "ms3d" | "md2" | "md5mesh" => {
+            "convert it with Assimp: `assimp export IN out.glb`, or import it in Blender and export glTF 2.0 (.glb)"
+        }
+        "step" | "stp" | "iges" | "igs" | "brep" | "fcstd" => {
+            "cut it into triangles in FreeCAD: Mesh > Create mesh from shape"
+        }
+        "pmx" | "pmd" | "vmd" => "import it in Blender by MMD Tools and export glTF 2.0 (.glb)",
+        "vtk" | "vtp" | "vtu" | "inp" | "msh" | "mesh" => "convert it with meshio: `meshio convert IN out.ply`",
+        "pcd" | "las" | "laz" | "e57" | "xyz" | "asc" => {
+            "these are points without a surface: make a mesh of them in MeshLab or CloudCompare"
+        }
+        _ => return None,
+    })
 }
 
 /// The error of a path that no format fits.

@@ -4,7 +4,10 @@ mod support;
 
 use mimesh_core::{
     mesh::{ClipTime, Mesh, MeshSequence},
-    stage::{BytesInput, ClipChoice, ClipTimes, Format, MeshWriter, PoseChoice, RestShape, Selection, SequenceFormat, check_pose},
+    stage::{
+        BytesInput, ClipChoice, ClipTimes, Format, MeshWriter, PoseChoice, RestShape, Selection, SequenceFormat,
+        check_pose,
+    },
 };
 use mimesh_formats::{Mdd, Pc2, Usda};
 use nalgebra::{Point3, Vector3};

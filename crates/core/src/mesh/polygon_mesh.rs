@@ -45,7 +45,7 @@ impl Mesh {
         if self.positions.is_empty() || self.polygons.is_empty() {
             return Err(Error::data(
                 format!("empty mesh: {} vertices, {} polygons", self.positions.len(), self.polygons.len()),
-                "give a mesh with at least one triangle; point clouds and curves cannot take a deformation",
+                "give a mesh with at least one triangle; point clouds and curves cannot take a deformation, and a point cache has poses alone",
             ));
         }
         check_finite(&self.positions)?;
