@@ -112,6 +112,15 @@ fn poses_without_times_are_frames_in_their_order() {
 }
 
 #[test]
+fn uneven_times_are_told_where_they_are_lost() {
+    let (mesh, frames) = moving(3);
+    let (_, warnings) = written(&Pc2::default(), &mesh, &frames, Some(&[0.0, 0.25, 1.0]));
+    assert_eq!(warnings, ["PC2 has evenly spaced frames: the times of the poses are not kept; mdd keeps them"]);
+    let (bytes, warnings) = written(&Mdd::default(), &mesh, &frames, Some(&[0.0, 0.25, 1.0]));
+    assert_eq!((warnings, seconds(&read(&Mdd::default(), "a.mdd", &bytes).unwrap())), (vec![], vec![0.0, 0.25, 1.0]));
+}
+
+#[test]
 fn damage_is_an_error_that_names_the_file() {
     let (mesh, frames) = moving(2);
     let (pc2, _) = written(&Pc2::default(), &mesh, &frames, None);

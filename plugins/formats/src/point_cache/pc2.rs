@@ -78,6 +78,9 @@ const MAGIC: &[u8; 12] = b"POINTCACHE2\0";
 /// Bytes before the positions.
 const HEADER: usize = 32;
 
+/// Frames by which a sample may miss its time: f32 holds no better frames of a long clip.
+const UNEVEN: f64 = 1e-2;
+
 impl Pc2 {
     /// The header: magic, version, points a sample, first frame, frames a sample, samples; numbers are little-endian.
     fn samples(&self, bytes: Vec<u8>) -> Result<Samples, String> {
@@ -96,14 +99,15 @@ impl Pc2 {
             return Err(format!("{samples} samples of {points} points: expected numbers above 0"));
         };
         let [start, rate] = [2, 3].map(|index| f64::from(f32::from_le_bytes(word(index))));
-        if !start.is_finite() || !(rate > 0.0 && rate.is_finite()) {
+        if !(start.is_finite() && rate > 0.0 && rate.is_finite()) {
             return Err(format!(
                 "first frame {start} and {rate} frames a sample: expected finite numbers, the second above 0"
             ));
         }
         // Times that the file has no room for are not made.
-        let count =
-            if count > bytes.len() { return Err(format!("{count} samples in {} bytes", bytes.len())) } else { count };
+        if count > bytes.len() {
+            return Err(format!("{count} samples in {} bytes", bytes.len()));
+        }
         let times = (0..count).map(|sample| (start + sample as f64 * rate) / self.frames_per_second).collect();
         Ok(Samples { bytes, start: HEADER, points, times, decode: f32::from_le_bytes })
     }
@@ -115,25 +119,39 @@ struct Writer {
     frames_per_second: f64,
 }
 
+impl Writer {
+    /// The first frame, and the frames from sample to sample.
+    fn first_and_rate(&self) -> [f64; 2] {
+        let times = &self.spool.times;
+        let (Some(first), Some(last)) = (times.first(), times.last()) else { return [0.0, 1.0] };
+        let steps = times.len() - 1;
+        let rate = if steps > 0 { (last - first) * self.frames_per_second / steps as f64 } else { 1.0 };
+        [first * self.frames_per_second, rate]
+    }
+}
+
 impl SequenceWriter for Writer {
     fn add(&mut self, name: &str, time: Option<&ClipTime>, positions: &[Point3<f64>]) -> Result<(), WriteError> {
         self.spool.add(name, time, positions)
     }
 
     fn warnings(&self) -> Vec<String> {
-        self.spool.warnings()
+        let mut warnings = self.spool.warnings();
+        let [first, rate] = self.first_and_rate();
+        let frames = self.spool.times.iter().map(|time| time * self.frames_per_second);
+        if frames.enumerate().any(|(sample, frame)| (frame - first - sample as f64 * rate).abs() > UNEVEN) {
+            warnings.push("PC2 has evenly spaced frames: the times of the poses are not kept; mdd keeps them".into());
+        }
+        warnings
     }
 
     fn finish(self: Box<Self>, out: &mut dyn Write) -> Result<(), WriteError> {
-        let times = &self.spool.times;
-        let (count, points) = (Spool::count(times.len())?, Spool::count(self.spool.points)?);
-        let (first, last) = (times.first().copied().unwrap_or(0.0), times.last().copied().unwrap_or(0.0));
-        let rate =
-            if times.len() > 1 { (last - first) * self.frames_per_second / (times.len() - 1) as f64 } else { 1.0 };
+        let (count, points) = (Spool::count(self.spool.times.len())?, Spool::count(self.spool.points)?);
+        let [first, rate] = self.first_and_rate();
         out.write_all(MAGIC)?;
         out.write_all(&1_i32.to_le_bytes())?;
         out.write_all(&points.to_le_bytes())?;
-        out.write_all(&((first * self.frames_per_second) as f32).to_le_bytes())?;
+        out.write_all(&(first as f32).to_le_bytes())?;
         out.write_all(&(rate as f32).to_le_bytes())?;
         out.write_all(&count.to_le_bytes())?;
         self.spool.finish(out)
