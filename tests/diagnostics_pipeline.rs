@@ -116,7 +116,7 @@ error: p.yaml:9:39: no format can write .xyz files
    |
  9 | output: [out/all.obj, out/{pose}.glb, out/all.xyz]
    |                                       ^^^^^^^^^^^
-   = hint: formats that write: .glb, .vrm, .gltf, .mdd, .obj, .pc2, .ply, .usda
+   = hint: formats that write: .glb, .vrm, .gltf, .mdd, .obj, .off, .coff, .noff, .cnoff, .pc2, .ply, .stl, .usda
 9 mistakes
 ",
     );
@@ -197,7 +197,7 @@ error: p.yaml:7:51: unknown format `gif`
    |
  7 | formats: [{ type: obj, turn_normals: 7 }, { type: gif }]
    |                                                   ^^^
-   = hint: known types: fbx, glb, gltf, mdd, obj, pc2, ply, stl, usda
+   = hint: known types: fbx, glb, gltf, mdd, obj, off, pc2, ply, stl, usda
 error: p.yaml:8:10: `output`: expected a string, found 1
    |
  8 | output: [1, out/all.obj, 2]
