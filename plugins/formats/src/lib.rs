@@ -19,6 +19,7 @@ mod encoding;
 mod extras;
 mod fbx;
 mod gltf;
+mod images;
 mod lost;
 mod names;
 mod normals;

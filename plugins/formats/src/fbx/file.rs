@@ -7,14 +7,14 @@ use ufbx::{CoordinateAxes, CoordinateAxis, ErrorType, FileFormat, LoadOpts, Scen
 /// The way out of a file that cannot be read.
 pub const DAMAGED: &str = "the file is damaged or of a program that writes FBX in its own way: export it again";
 
-/// Reads the scene of a file; nothing else is opened.
+/// Reads the scene of a file, with its images if `images`; nothing else is opened.
 ///
 /// # Errors
 ///
 /// [`Error::Io`] for a file that cannot be read, [`Error::File`] for one that is damaged or no FBX.
-pub fn read(input: &dyn FileInput) -> Result<SceneRoot> {
+pub fn read(input: &dyn FileInput, images: bool) -> Result<SceneRoot> {
     let bytes = input.contents()?;
-    let options = LoadOpts { ignore_embedded: true, file_format: FileFormat::Fbx, ..LoadOpts::default() };
+    let options = LoadOpts { ignore_embedded: !images, file_format: FileFormat::Fbx, ..LoadOpts::default() };
     ufbx::load_memory(&bytes, options).map_err(|error| {
         let details = error.info();
         let details = if details.is_empty() { String::new() } else { format!(": {details}") };

@@ -5,12 +5,14 @@
 //! - [`placed`]: the nodes with a mesh, and those that are chosen;
 //! - [`bind`], [`shapes`] and [`clips`]: what places and moves vertices;
 //! - [`evaluator`]: positions in any state of that;
-//! - [`surface`] and [`reader`]: the mesh.
+//! - [`surface`], [`colors`], [`materials`] and [`reader`]: the mesh.
 
 mod bind;
 mod clips;
+mod colors;
 mod evaluator;
 mod file;
+mod materials;
 mod placed;
 mod reader;
 mod shapes;

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use mimesh_core::{
     Error, Result,
-    mesh::{ClipTime, MeshSequence, Pose, Positions},
+    mesh::{ClipTime, Document, MeshSequence, Pose, Positions},
     stage::{FileInput, PoseChoice, RestShape, Selection},
 };
 use ufbx::Scene;
@@ -14,12 +14,14 @@ use super::{
     clips,
     evaluator::{Blend, Evaluator, Run, Shape},
     file::{self, DAMAGED},
+    materials,
     placed::{self, Placed},
     shapes::{self, NamedShape},
-    surface,
+    surface::{self, Assembled},
 };
 use crate::{
     clip_frames::{ClipKeys, check_rest_time, frames},
+    extras::Extras,
     names::{find, quoted},
 };
 
@@ -48,7 +50,7 @@ pub fn read(input: &dyn FileInput, selection: &Selection) -> Result<MeshSequence
     let path = input.path();
     let unknown = |message: String| Error::file(path, message, CHOOSE_SHAPE);
 
-    let scene = file::read(input)?;
+    let scene = file::read(input, selection.keep_document)?;
     let mut placed = placed::placed(&scene);
     placed::choose(&scene, &mut placed, &selection.meshes).map_err(|message| Error::file(path, message, CHOOSE))?;
     let thin = placed::drop_thin(&scene, &mut placed);
@@ -66,8 +68,12 @@ pub fn read(input: &dyn FileInput, selection: &Selection) -> Result<MeshSequence
 
     let transforms: Vec<Transforms> = evaluator.transforms(&rest);
     let is_morphed = rest.blend != Blend::None;
-    let mut mesh = surface::assemble(&evaluator.scene, &placed, &evaluator.runs, &transforms, is_morphed);
+    let assembled = surface::assemble(&evaluator.scene, &placed, &evaluator.runs, &transforms, is_morphed);
+    let Assembled { mut mesh, materials: used, mut left_out } = assembled;
     mesh.positions = evaluator.shape(&rest);
+    let (names, images) = (placed::material_names(&evaluator.scene), selection.keep_document);
+    mesh.materials = materials::materials(input, &evaluator.scene, &names, &used, images, &mut left_out);
+    mesh.document = Document::new(Extras { left_out, ..Extras::default() });
     match mesh.validate() {
         Err(Error::Data { message, hint }) => return Err(Error::file(path, message, hint)),
         other => other?,

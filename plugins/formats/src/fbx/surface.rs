@@ -2,12 +2,13 @@
 
 use std::collections::{HashMap, HashSet};
 
-use mimesh_core::mesh::{self, CornerAttribute, Mesh, Part};
+use mimesh_core::mesh::{CornerAttribute, Mesh, Part};
 use nalgebra::{Matrix3, Matrix4, Vector3};
 use ufbx::{Scene, VertexVec2, VertexVec3};
 
 use super::{
     bind::Transforms,
+    colors::VertexColors,
     evaluator::Run,
     placed::{Placed, material_names, material_of},
 };
@@ -15,13 +16,21 @@ use super::{
 /// The mesh of all placed meshes, still without positions; `transforms` are those of the runs at rest.
 ///
 /// Polygons of mirrored meshes are turned over. With `is_morphed` there are no normals, since the file's are of another shape.
-pub fn assemble(scene: &Scene, placed: &[Placed], runs: &[Run], transforms: &[Transforms], is_morphed: bool) -> Mesh {
+pub fn assemble(
+    scene: &Scene,
+    placed: &[Placed],
+    runs: &[Run],
+    transforms: &[Transforms],
+    is_morphed: bool,
+) -> Assembled {
     let names = material_names(scene);
-    let (mut mesh, mut used) = (Mesh::default(), HashSet::new());
+    let (mut mesh, mut used, mut left_out) = (Mesh::default(), HashSet::new(), Vec::new());
+    let mut colors = VertexColors::default();
     let (mut textures, mut normals) = (Corners::default(), Corners::default());
     for ((placed, run), transforms) in placed.iter().zip(runs).zip(transforms) {
         let (node, stored) = (&scene.nodes[placed.node], &scene.meshes[placed.mesh]);
         let is_mirrored = is_mirrored(transforms);
+        tell_left_out(stored, &mut left_out);
         textures.start();
         normals.start();
         for &polygon in &placed.polygons {
@@ -31,6 +40,9 @@ pub fn assemble(scene: &Scene, placed: &[Placed], runs: &[Run], transforms: &[Tr
             if is_mirrored {
                 corners[1..].reverse();
             }
+            corners.iter().for_each(|&corner| {
+                colors.add(&stored.vertex_color, corner, run.vertices.start + stored.vertex_indices[corner] as usize)
+            });
             let vertex = |corner: &usize| stored.vertex_indices[*corner] as usize;
             let vertices: Vec<u32> = corners.iter().map(|c| (run.vertices.start + vertex(c)) as u32).collect();
             mesh.polygons.push(&vertices);
@@ -56,10 +68,30 @@ pub fn assemble(scene: &Scene, placed: &[Placed], runs: &[Run], transforms: &[Tr
             }
         }
     }
-    mesh.materials = materials(scene, &names, &used);
+    mesh.vertex_colors = colors.finish(runs.last().map_or(0, |run| run.vertices.end), &mut left_out);
     mesh.texture_coordinates = textures.finish();
     mesh.normals = normals.finish();
-    mesh
+    Assembled { mesh, materials: used, left_out }
+}
+
+/// A mesh with what does not fit into it.
+pub struct Assembled {
+    pub mesh: Mesh,
+    /// The materials of its polygons, by the numbers of the elements.
+    pub materials: HashSet<u32>,
+    /// The names of what was not read.
+    pub left_out: Vec<String>,
+}
+
+/// Adds the names of what `mesh` has beyond one set of texture coordinates and one of colours, each once.
+fn tell_left_out(mesh: &ufbx::Mesh, left_out: &mut Vec<String>) {
+    for (count, name) in
+        [(mesh.uv_sets.len(), "further texture coordinates"), (mesh.color_sets.len(), "further colours of vertices")]
+    {
+        if count > 1 && !left_out.iter().any(|known| known == name) {
+            left_out.push(name.into());
+        }
+    }
 }
 
 /// The values of corners; one that corners share is there once.
@@ -134,21 +166,4 @@ fn is_mirrored(transforms: &Transforms) -> bool {
         Transforms::Uniform(matrix) => is_mirror(matrix),
         Transforms::Skinned(matrices) => 2 * matrices.iter().filter(|m| is_mirror(m)).count() > matrices.len(),
     }
-}
-
-/// The materials that are `used`.
-fn materials(scene: &Scene, names: &HashMap<u32, String>, used: &HashSet<u32>) -> Vec<mesh::Material> {
-    let used = scene.materials.iter().filter(|material| used.contains(&material.element.element_id));
-    let read = |material: &ufbx::Material| {
-        let (colour, factor, opacity) = (&material.pbr.base_color, &material.pbr.base_factor, &material.pbr.opacity);
-        let factor = if factor.has_value { factor.value_vec4.x } else { 1.0 };
-        let [r, g, b] = [colour.value_vec4.x, colour.value_vec4.y, colour.value_vec4.z].map(|channel| channel * factor);
-        let base_color = if colour.has_value { [r, g, b] } else { [1.0; 3] };
-        let opacity = if opacity.has_value { opacity.value_vec4.x } else { 1.0 };
-        let in_range = |channel: f64| if channel.is_finite() { channel.clamp(0.0, 1.0) } else { 1.0 };
-        let [r, g, b] = base_color.map(in_range);
-        let name = names[&material.element.element_id].clone();
-        mesh::Material { name, base_color: [r, g, b, in_range(opacity)] }
-    };
-    used.map(|material| read(material)).collect()
 }

@@ -2,9 +2,11 @@ use std::{collections::HashSet, sync::Arc};
 
 use mimesh_core::{
     Error,
-    mesh::{Image, Material, Part},
+    mesh::{Material, Part},
     stage::FileInput,
 };
+
+use crate::images;
 
 /// The materials of a file, and the names of its libraries that exist.
 #[derive(Debug, Default)]
@@ -33,7 +35,7 @@ pub fn read(
             if matches!(bytes, Ok(_) | Err(Error::OutOfReach { .. })) {
                 names.push(library.clone());
             }
-            match bytes.map_err(|error| reason(&error)).and_then(|bytes| parse(&bytes)) {
+            match bytes.map_err(|error| images::reason(&error)).and_then(|bytes| parse(&bytes)) {
                 Ok(loaded) => {
                     let loaded = loaded.into_iter().filter(|material| wanted.remove(material.name.as_str()));
                     let with_image = |loaded| material(input, &library, loaded, images);
@@ -74,15 +76,6 @@ fn libraries(input: &dyn FileInput, line: &str) -> Vec<Library> {
     if several.iter().any(|(_, contents)| contents.is_ok()) { several } else { vec![whole] }
 }
 
-/// Why a library or an image could not be opened.
-fn reason(error: &Error) -> String {
-    match error {
-        Error::Io { source, .. } => format!("cannot be read ({source})"),
-        Error::OutOfReach { reason, .. } => format!("is not opened, {reason}"),
-        other => format!("cannot be read ({other})"),
-    }
-}
-
 fn parse(bytes: &[u8]) -> Result<Vec<tobj::Material>, String> {
     let decoded = crate::encoding::from_utf16(bytes);
     // Names in other encodings must compare equal to those in the OBJ, which are read in the same lossy way.
@@ -98,7 +91,8 @@ fn material(input: &dyn FileInput, library: &str, material: tobj::Material, imag
     let base_color = [r, g, b, material.dissolve.unwrap_or(1.0)];
     let bounded = |x: f64| if x.is_finite() { x.clamp(0.0, 1.0) } else { 1.0 };
     let map = material.diffuse_texture.as_deref().map(file_of).filter(|_| images);
-    let image = map.map(|map| Arc::new(image(input, library, map)));
+    let folder = library.rfind('/').map_or("", |end| &library[..=end]);
+    let image = map.map(|map| Arc::new(images::beside(input, folder, map)));
     Material { name: material.name, base_color: base_color.map(bounded), base_color_image: image }
 }
 
@@ -119,17 +113,6 @@ fn file_of(map: &str) -> &str {
         }
     }
     rest
-}
-
-/// The image `map` of a material of `library`: where it is said to be, or beside the library if that is another machine's path.
-fn image(input: &dyn FileInput, library: &str, map: &str) -> Image {
-    let folder = library.rfind('/').map_or("", |end| &library[..=end]);
-    let slashes = map.replace('\\', "/");
-    let file = slashes.rsplit('/').next().unwrap_or(map);
-    let mut tries = [format!("{folder}{map}"), format!("{folder}{slashes}"), format!("{folder}{file}")].into_iter();
-    let first = tries.next().map_or_else(|| Err(String::new()), |name| input.referenced(&name).map_err(|e| reason(&e)));
-    let contents = tries.fold(first, |found, name| found.or_else(|error| input.referenced(&name).map_err(|_| error)));
-    Image { name: file.into(), contents }
 }
 
 #[cfg(test)]

@@ -25,27 +25,33 @@ pub enum Value {
     Doubles(Vec<f64>),
     /// Numbers of 32 bits.
     Floats(Vec<f32>),
+    /// The contents of a file, in binary files only.
+    Bytes(Vec<u8>),
 }
 
-use Value::{Double, Doubles, Floats, Int, Ints, Long, Longs, Name, Text};
+use Value::{Bytes, Double, Doubles, Floats, Int, Ints, Long, Longs, Name, Text};
 
 /// A record of an FBX.
-pub struct Record(&'static str, Vec<Value>, Vec<Record>);
+pub struct Record(pub &'static str, pub Vec<Value>, pub Vec<Record>);
 
-fn leaf(name: &'static str, value: Value) -> Record {
+/// A record of one value.
+pub fn leaf(name: &'static str, value: Value) -> Record {
     Record(name, vec![value], vec![])
 }
 
-fn property(name: &str, kind: &str, values: impl IntoIterator<Item = Value>) -> Record {
+/// A property with its type.
+pub fn property(name: &str, kind: &str, values: impl IntoIterator<Item = Value>) -> Record {
     let head = [name, kind, "", ""].map(|text| Text(text.into()));
     Record("P", head.into_iter().chain(values).collect(), vec![])
 }
 
-fn properties(all: Vec<Record>) -> Record {
+/// The record of properties.
+pub fn properties(all: Vec<Record>) -> Record {
     Record("Properties70", vec![], all)
 }
 
-fn model(
+/// A node.
+pub fn model(
     id: i64,
     name: &'static str,
     kind: &str,
@@ -278,6 +284,7 @@ fn write_text(text: &mut String, Record(name, values, children): &Record) {
         Longs(values) => array(values),
         Doubles(values) => array(values),
         Floats(values) => array(values),
+        Bytes(_) => unreachable!("a text has no bytes"),
     });
     write!(text, "{name}: {}", values.collect::<Vec<_>>().join(", ")).unwrap();
     if children.is_empty() && !matches!(*name, "Objects" | "AnimationLayer") {
@@ -320,6 +327,7 @@ fn write_bytes(bytes: &mut Vec<u8>, Record(name, values, children): &Record) {
             Longs(values) => array(b'l', values.len(), values.iter().flat_map(|v| v.to_le_bytes()).collect()),
             Doubles(values) => array(b'd', values.len(), values.iter().flat_map(|v| v.to_le_bytes()).collect()),
             Floats(values) => array(b'f', values.len(), values.iter().flat_map(|v| v.to_le_bytes()).collect()),
+            Bytes(bytes) => [vec![b'R'], (bytes.len() as u32).to_le_bytes().to_vec(), bytes.clone()].concat(),
         });
     }
     let length = bytes.len() - first;
