@@ -4,10 +4,7 @@ mod support;
 
 use mimesh_core::{
     mesh::{ClipTime, Mesh, MeshSequence},
-    stage::{
-        BytesInput, ClipChoice, ClipTimes, Format, MeshWriter, PoseChoice, RestShape, Selection, SequenceFormat,
-        check_pose,
-    },
+    stage::{BytesInput, ClipChoice, ClipTimes, Format, MeshWriter, PoseChoice, RestShape, Selection, SequenceFormat},
 };
 use mimesh_formats::{Mdd, Pc2, Usda};
 use nalgebra::{Point3, Vector3};
@@ -77,9 +74,7 @@ fn frames_come_back_with_times_and_names() {
         assert_eq!(seconds(&sequence), [0.5, 1.0, 1.5]);
         assert_eq!(sequence.rest.positions, frames[0]);
         sequence.poses.iter().zip(&frames).for_each(|(pose, frame)| assert_eq!(&*pose.positions.get(), &frame[..]));
-        // A cache has no polygons, and is a pose of any mesh with its vertices.
-        check_pose(name.as_ref(), &mesh, 9, &sequence.rest.polygons).unwrap();
-        assert!(check_pose(name.as_ref(), &mesh, 8, &sequence.rest.polygons).is_err());
+        assert!(sequence.rest.polygons.is_empty(), "a cache has no polygons");
         // Between samples the vertices move evenly.
         let choice =
             ClipChoice { clips: vec!["run".into()], times: ClipTimes::PerSecond(4.0), range: Some([1.0, 1.5]) };

@@ -100,8 +100,6 @@ pub fn check_vertices(path: &Path, rest: &Mesh, vertices: usize) -> Result<()> {
 
 /// Checks that a pose read from `path`, of `vertices` vertices and of `polygons`, is a pose of `rest`.
 ///
-/// Without polygons, as in a point cache, only the vertices are counted.
-///
 /// # Errors
 ///
 /// [`Error::File`] that names the counts, or the first polygon (from 0), in which they differ.
@@ -112,9 +110,6 @@ pub fn check_pose(path: &Path, rest: &Mesh, vertices: usize, polygons: &Polygons
         Err(Error::file(path, message, hint))
     };
     check_vertices(path, rest, vertices)?;
-    if polygons.is_empty() {
-        return Ok(());
-    }
     if polygons.len() != rest.polygons.len() {
         return differ(format!("pose has {} polygons, the rest mesh {}", polygons.len(), rest.polygons.len()));
     }

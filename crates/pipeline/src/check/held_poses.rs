@@ -222,7 +222,8 @@ fn hold(
         return Ok(vec![]);
     }
     let rest = &mesh.sequence.rest;
-    match mesh.selection.same_vertices {
+    // A point cache has no polygons.
+    match mesh.selection.same_vertices || read.rest.polygons.is_empty() {
         true => check_vertices(file, rest, read.rest.positions.len())?,
         false => check_pose(file, rest, read.rest.positions.len(), &read.rest.polygons)?,
     }
