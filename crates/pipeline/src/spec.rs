@@ -2,7 +2,10 @@
 
 use std::{collections::BTreeMap, path::PathBuf};
 
-use mimesh_core::stage::{Correspondence, Format, Generator, KeyPoints, Metric, Proximity, Transfer};
+use mimesh_core::{
+    mesh::PosesAre,
+    stage::{Correspondence, Format, Generator, KeyPoints, Metric, Proximity, Transfer},
+};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -117,6 +120,12 @@ pub struct Source {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("examples" = ["horse-??.obj", { "clip": "Run", "fps": 24 }]))]
     pub poses: Option<Poses>,
+    /// Whether the poses are `shapes` that stand alone, or `frames` of one motion.
+    ///
+    /// Shapes are not played as an animation nor judged as a motion, and vertices that rest in a shape of the source rest in that of
+    /// the target to the last bit. Left out, frames of clips and names that end in numbers are frames, as `01, 02`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub poses_are: Option<PosesAre>,
     /// Boundaries are welded where their vertices are nearer to each other than this, relative to the diagonal; left out, where they
     /// coincide exactly. For meshes whose triangles are apart by noise in the last digits.
     #[serde(skip_serializing_if = "Option::is_none")]

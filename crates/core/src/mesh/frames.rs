@@ -1,3 +1,23 @@
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// What the poses of a mesh are to each other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum PosesAre {
+    /// Shapes that stand alone, as smile and frown.
+    Shapes,
+    /// Frames of a motion, one after another.
+    Frames,
+}
+
+impl PosesAre {
+    /// What poses of these names seem to be; see [`poses_are_frames`].
+    pub fn of_names<'a>(names: impl IntoIterator<Item = &'a str>) -> Self {
+        if poses_are_frames(names) { Self::Frames } else { Self::Shapes }
+    }
+}
+
 /// Names that programs give to shapes without one, before their numbers: this program's readers, and Blender.
 const UNNAMED_SHAPES: [&str; 2] = ["target-", "Key "];
 

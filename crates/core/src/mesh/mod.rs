@@ -24,7 +24,7 @@ mod weld;
 
 pub use attributes::{CornerAttribute, Image, Material, Part};
 pub use bounds::{bounding_box, check_finite, diagonal};
-pub use frames::poses_are_frames;
+pub use frames::{PosesAre, poses_are_frames};
 pub use mesh_point::MeshPoint;
 pub use outward::inward_components;
 pub use polygon_mesh::{Document, Mesh};

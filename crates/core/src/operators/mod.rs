@@ -14,6 +14,7 @@ mod normals;
 mod polar;
 mod rotation;
 mod tetrahedron;
+mod untouched;
 
 pub use blend::linear_blend;
 pub use deformation_gradient::DeformationGradients;
@@ -25,6 +26,7 @@ pub use normals::vertex_normals;
 pub use polar::{Polar, polar};
 pub use rotation::{Turn, logarithm, mean_gradient, mean_quaternion, nearer};
 pub use tetrahedron::Tetrahedron;
+pub use untouched::{keep_untouched, untouched};
 
 #[cfg(test)]
 mod tests;

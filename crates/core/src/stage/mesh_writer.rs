@@ -4,7 +4,7 @@ use nalgebra::Point3;
 
 use crate::{
     Error, Result,
-    mesh::{ClipTime, Mesh},
+    mesh::{ClipTime, Mesh, PosesAre},
 };
 
 /// How a format writes: one file a pose, or all poses in one file.
@@ -73,6 +73,9 @@ pub trait SequenceWriter {
     ///
     /// [`Error::Shape`] if the count differs from the mesh.
     fn add(&mut self, name: &str, time: Option<&ClipTime>, positions: &[Point3<f64>]) -> Result<(), WriteError>;
+
+    /// Says what the poses are, before the first; a writer that is not told judges by their names.
+    fn set_poses_are(&mut self, _poses: PosesAre) {}
 
     /// Sentences about what the file does not keep or has under another name, once all poses are added.
     fn warnings(&self) -> Vec<String> {

@@ -126,6 +126,7 @@ impl RunKeys {
                 ("proximity", proximity_hex),
                 ("correspondence", to_value(&correspondence.as_ref().map(StageKey::hex))),
                 ("poses it learns from", hash_of_chosen(&poses, wanted)),
+                ("poses are", to_value(&prepared.poses_are)),
             ],
         );
         let metrics = settings_and_files("metrics", to_value(&prepared.metrics), hashes);

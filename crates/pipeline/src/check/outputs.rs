@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use mimesh_core::{
-    mesh::poses_are_frames,
+    mesh::PosesAre,
     stage::{MeshWriter, RestShape},
 };
 use mimesh_document::{At, Step, path, paths};
@@ -16,7 +16,7 @@ use super::{
 use crate::{
     choices::is_open,
     formats::Writes,
-    input::{Output, Outputs, PoseInput, RestMesh},
+    input::{Output, Outputs, PoseInput, RestMesh, poses_are},
     placeholder::{POSE, placeholders, with_pose},
     spec::Pipeline,
 };
@@ -33,6 +33,7 @@ pub(super) fn outputs(
     report: &str,
 ) -> Outputs {
     let slot = path(["output"]);
+    let are = poses_are(pipeline.source.poses_are, poses);
     let mut files = WritableFiles::new(&found.inputs, out);
     found.check_empty(scope, &slot);
     if pipeline.output.listed && pipeline.output.items.is_empty() {
@@ -62,7 +63,7 @@ pub(super) fn outputs(
             match &output {
                 Output::Poses(files) => check_file_names(scope, found, poses, files, &at),
                 Output::Sequence(file) => {
-                    check_size(scope, found, file, target, poses, &at);
+                    check_size(scope, found, file, target, (poses, are), &at);
                     warn_of_clip(found, file, target);
                 }
             }
@@ -105,12 +106,12 @@ fn check_size(
     found: &mut Findings,
     file: &Path,
     target: Option<&RestMesh>,
-    poses: &[PoseInput],
+    (poses, are): (&[PoseInput], PosesAre),
     at: &[Step],
 ) {
-    let are_frames =
-        poses.iter().all(|pose| pose.time.is_some()) || poses_are_frames(poses.iter().map(|pose| pose.name.as_str()));
-    let (Ok((format, _)), Some(target), true) = (scope.formats.writer(file), target, are_frames) else { return };
+    let (Ok((format, _)), Some(target), true) = (scope.formats.writer(file), target, are == PosesAre::Frames) else {
+        return;
+    };
     if let Some(MeshWriter::Sequence(format)) = format.writer()
         && let Err(error) = format.check_size(&target.sequence.rest, poses.len())
     {

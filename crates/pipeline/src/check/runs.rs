@@ -31,7 +31,7 @@ use crate::{
     compose::{self, Run, Runs, Variant},
     formats::Formats,
     handedness,
-    input::{FileHashes, InputFile, Prepared, ProximityInput, RestMesh},
+    input::{self, FileHashes, InputFile, Prepared, ProximityInput, RestMesh},
     marker_source::MarkerSource,
     parse::{Parsed, Required, parse},
     report::Clock,
@@ -184,6 +184,7 @@ fn prepare_one(
         stages_and_proximity(scope, found_mut, &mut pipeline, open.proximity, meshes, markers.as_deref(), shared);
     let out = options.out.as_deref().map(|given| destination(given, &variant, shared.several));
     let report = options.report.as_deref().unwrap_or("run.json");
+    let poses_are = input::poses_are(pipeline.source.poses_are, &poses);
     let outputs = outputs(scope, found_mut, &pipeline, target.as_deref(), &poses, out.as_ref(), report);
     found.diagnostics.into_result()?;
     let (Some(source), Some(target), Some(markers), Some(clicks)) = (source, target, markers, clicks) else {
@@ -209,6 +210,7 @@ fn prepare_one(
         pipeline,
         document,
         poses,
+        poses_are,
         markers: if are_proposed { OnceLock::new() } else { markers.into() },
         clicks,
         allow_commands: options.allow_commands,

@@ -10,6 +10,6 @@ mod rest_mesh;
 pub use file_hashes::{FileHashes, HashedFile};
 pub use ground_truth::GroundTruth;
 pub use outputs::{Output, Outputs};
-pub use poses::{PoseFrom, PoseInput, evenly_spaced, read_evenly_spaced, read_pose};
+pub use poses::{PoseFrom, PoseInput, evenly_spaced, poses_are, read_evenly_spaced, read_pose};
 pub use prepared::{InputFile, Meshes, Prepared, PreparedSource, ProximityInput};
 pub use rest_mesh::RestMesh;

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use mimesh_core::{
     Result,
-    mesh::{ClipTime, check_finite},
+    mesh::{ClipTime, PosesAre, check_finite},
     stage::Selection,
 };
 use nalgebra::Point3;
@@ -31,6 +31,19 @@ pub enum PoseFrom {
     File(PathBuf),
     /// In the source's sequence, under this number.
     Held(usize),
+}
+
+/// What `poses` are to each other: frames of clips are frames, others by their names.
+///
+/// `declared` is what the pipeline says.
+pub fn poses_are(declared: Option<PosesAre>, poses: &[PoseInput]) -> PosesAre {
+    if let Some(declared) = declared {
+        return declared;
+    }
+    if !poses.is_empty() && poses.iter().all(|pose| pose.time.is_some()) {
+        return PosesAre::Frames;
+    }
+    PosesAre::of_names(poses.iter().map(|pose| pose.name.as_str()))
 }
 
 /// The vertices of the source's mesh in one pose (#V of the file).

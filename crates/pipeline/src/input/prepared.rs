@@ -5,7 +5,10 @@ use std::{
     sync::{Arc, OnceLock},
 };
 
-use mimesh_core::stage::{Correspondence, KeyPoints, Landmarks, Marker, Metric, ProximityGraph};
+use mimesh_core::{
+    mesh::PosesAre,
+    stage::{Correspondence, KeyPoints, Landmarks, Marker, Metric, ProximityGraph},
+};
 use mimesh_document::Document;
 use mimesh_markers::MarkerFiles;
 
@@ -31,6 +34,8 @@ pub struct Prepared {
     pub target: Arc<RestMesh>,
     /// The poses of the source, at least one.
     pub poses: Vec<PoseInput>,
+    /// What the poses are to each other.
+    pub poses_are: PosesAre,
     /// Pairs of points of the two surfaces; those that a stage proposes are there once it has run.
     pub markers: OnceLock<Vec<Marker>>,
     /// The user's own markers beside a stage that proposes others.

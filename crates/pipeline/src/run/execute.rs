@@ -13,6 +13,7 @@ use super::{
     measure::Measurer,
     poses::{PoseRunner, Stream},
     stages::Stages,
+    untouched::Untouched,
     written,
 };
 use crate::{
@@ -98,7 +99,8 @@ fn execute(prepared: &Prepared, plan: &Plan, cache: Option<&Cache>, progress: &d
     let thumbnails = prepared.outputs.are_visual().then(|| Thumbnails::new(prepared));
     let measurer =
         Measurer { prepared, metrics: &metrics, measured: measured.as_deref(), thumbnails: thumbnails.as_ref() };
-    let runner = PoseRunner { prepared, stages: &stages, measurer: &measurer, progress };
+    let untouched = Untouched::new(prepared, &stages);
+    let runner = PoseRunner { prepared, stages: &stages, measurer: &measurer, untouched: &untouched, progress };
     let clock = Clock::start();
     let Stream { poses, failed, files, warnings } = runner.stream()?;
     drop(metrics);

@@ -4,6 +4,7 @@ mod execute;
 mod measure;
 mod poses;
 mod stages;
+mod untouched;
 mod written;
 
 pub use execute::{Finished, run};

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use mimesh_core::{
     Error, Result,
-    mesh::check_finite,
+    mesh::{PosesAre, check_finite},
     stage::{BoundTransfer, MeshWriter, Motion, SequenceWriter, Transferred, WriteError},
 };
 use mimesh_document::{Diagnostic, Kind, Location, diagnostic};
@@ -15,6 +15,7 @@ use rayon::prelude::*;
 use super::{
     measure::{Measurer, PosedPose},
     stages::Stages,
+    untouched::Untouched,
 };
 use crate::{
     cache::PosedTarget,
@@ -35,6 +36,8 @@ pub(super) struct PoseRunner<'a> {
     pub stages: &'a Stages<'a>,
     /// The measurements and the pictures.
     pub measurer: &'a Measurer<'a>,
+    /// Keeps at rest what rests in the shapes of the source.
+    pub untouched: &'a Untouched<'a>,
     /// Receives the progress.
     pub progress: &'a dyn Progress,
 }
@@ -147,7 +150,9 @@ impl<'a> PoseRunner<'a> {
                 && let Some(MeshWriter::Sequence(sequence)) = format.writer()
             {
                 let rest = &self.prepared.target.sequence.rest;
-                writers.push((path.clone(), sequence.start(rest).map_err(|error| write_error(path, error))?));
+                let mut writer = sequence.start(rest).map_err(|error| write_error(path, error))?;
+                writer.set_poses_are(self.prepared.poses_are);
+                writers.push((path.clone(), writer));
             }
         }
         Ok(writers)
@@ -267,6 +272,11 @@ impl<'a> PoseRunner<'a> {
         posed: &[Point3<f64>],
         transfer: impl FnOnce(&[Point3<f64>]) -> Result<Transferred>,
     ) -> PoseResult<PosedTarget> {
+        let transfer = |posed: &[Point3<f64>]| {
+            let mut transferred = transfer(posed)?;
+            self.untouched.keep(posed, &mut transferred.positions)?;
+            Ok(transferred)
+        };
         let target = posed_target(self.prepared, posed, transfer).map_err(|error| {
             let name = self.stages.transfer.typetag_name();
             pose_error(&pose.name, None, Some(format!("transfer ({name})")), error)
@@ -285,7 +295,11 @@ impl<'a> PoseRunner<'a> {
         k: usize,
     ) -> PoseResult<PoseOutput<'p>> {
         let this = posed[k].as_ref().map_err(Clone::clone)?;
-        let before = [1, 2].map(|back| k.checked_sub(back).and_then(|k| posed[k].as_ref().ok()).map(PosedPose::frame));
+        let frame = |back: usize| k.checked_sub(back).and_then(|k| posed[k].as_ref().ok()).map(PosedPose::frame);
+        let before = match self.prepared.poses_are {
+            PosesAre::Frames => [1, 2].map(frame),
+            PosesAre::Shapes => [None; 2],
+        };
         let figures = this.target.figures.clone();
         let mut report = PoseReport { name: pose.name.clone(), reused: this.reused, figures, ..PoseReport::default() };
         self.measurer.measure(i, this, before, self.stages.pose_cache(), &mut report);

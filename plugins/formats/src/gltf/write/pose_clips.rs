@@ -1,6 +1,6 @@
 //! The animations that show poses: when each has its turn.
 
-use mimesh_core::mesh::{ClipTime, poses_are_frames};
+use mimesh_core::mesh::{ClipTime, PosesAre};
 
 use super::options::PoseAnimation;
 
@@ -11,6 +11,8 @@ pub struct PoseList {
     pub names: Vec<String>,
     /// The times in clips of those that are frames of one.
     pub times: Vec<Option<ClipTime>>,
+    /// What they are, if that was said.
+    pub are: Option<PosesAre>,
 }
 
 /// An animation that shows one pose a key, and blends from each to the next in between.
@@ -47,9 +49,16 @@ impl PoseList {
     /// The choice that `auto` stands for.
     fn resolved(&self, animation: PoseAnimation) -> PoseAnimation {
         match animation {
-            PoseAnimation::Auto if self.times.iter().all(Option::is_some) => PoseAnimation::ClipTimes,
-            PoseAnimation::Auto if poses_are_frames(self.names.iter().map(String::as_str)) => PoseAnimation::Play,
-            PoseAnimation::Auto => PoseAnimation::None,
+            PoseAnimation::Auto => {
+                let in_clips = self.times.iter().all(Option::is_some);
+                let guess = || PosesAre::of_names(self.names.iter().map(String::as_str));
+                match self.are {
+                    Some(PosesAre::Shapes) => PoseAnimation::None,
+                    _ if in_clips => PoseAnimation::ClipTimes,
+                    are if are.unwrap_or_else(guess) == PosesAre::Frames => PoseAnimation::Play,
+                    _ => PoseAnimation::None,
+                }
+            }
             other => other,
         }
     }
@@ -85,6 +94,7 @@ mod tests {
         PoseList {
             names: poses.iter().map(|pose| pose.0.to_owned()).collect(),
             times: poses.iter().map(|pose| pose.1.map(time)).collect(),
+            are: None,
         }
     }
 
@@ -99,6 +109,10 @@ mod tests {
         assert_eq!(frames.clips(PoseAnimation::Auto, 2.0), played);
         assert_eq!(frames.clips(PoseAnimation::None, 2.0), []);
         assert_eq!(list(&[]).clips(PoseAnimation::Play, 2.0), []);
+        // What is said goes before names.
+        let told = |poses: PoseList, are| PoseList { are: Some(are), ..poses };
+        assert_eq!(told(frames, PosesAre::Shapes).clips(PoseAnimation::Auto, 2.0), []);
+        assert_eq!(told(shapes, PosesAre::Frames).clips(PoseAnimation::Auto, 2.0), played);
     }
 
     #[test]

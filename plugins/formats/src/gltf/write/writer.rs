@@ -2,7 +2,7 @@ use std::io::{self, Write};
 
 use mimesh_core::{
     Error,
-    mesh::{ClipTime, Mesh, check_finite},
+    mesh::{ClipTime, Mesh, PosesAre, check_finite},
     stage::{SequenceWriter, WriteError},
 };
 use nalgebra::{Point3, Vector3};
@@ -180,6 +180,10 @@ impl SequenceWriter for Writer {
 
     fn warnings(&self) -> Vec<String> {
         [self.warnings.clone(), self.poses.warnings(self.options.animation)].concat()
+    }
+
+    fn set_poses_are(&mut self, poses: PosesAre) {
+        self.poses.are = Some(poses);
     }
 
     fn finish(mut self: Box<Self>, out: &mut dyn Write) -> Result<(), WriteError> {

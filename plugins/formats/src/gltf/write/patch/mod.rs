@@ -19,7 +19,7 @@ use std::{collections::HashMap, io::Write};
 
 use mimesh_core::{
     Error,
-    mesh::{ClipTime, Mesh, check_finite},
+    mesh::{ClipTime, Mesh, PosesAre, check_finite},
     stage::{SequenceWriter, WriteError},
 };
 use nalgebra::Point3;
@@ -107,6 +107,10 @@ impl SequenceWriter for PatchWriter {
         }
         warnings.extend(self.poses.warnings(self.options.animation));
         warnings
+    }
+
+    fn set_poses_are(&mut self, poses: PosesAre) {
+        self.poses.are = Some(poses);
     }
 
     fn renamed(&self) -> &[(String, String)] {
