@@ -4,7 +4,7 @@ mod common;
 
 use std::path::Path;
 
-use common::{Meshed, both, ellipsoid, pair};
+use common::{Meshed, NoScenes, both, ellipsoid, pair};
 use mimesh_core::mesh::MeshPoint;
 use mimesh_document::{Diagnostics, Kind};
 use mimesh_markers::{
@@ -107,10 +107,10 @@ fn points_of_one_mesh_are_found_alone() {
     ] {
         let file = folder.path().join(name);
         std::fs::write(&file, text).unwrap();
-        let points = points_on(&file, source.on(MeshRole::Source)).unwrap();
+        let points = points_on(&file, source.on(MeshRole::Source), &NoScenes).unwrap();
         let expected = [5, 40, 70].map(|v| source.surface.point(MeshPoint::Vertex(v)).unwrap());
         assert_eq!(points, expected, "{name}");
-        assert_eq!(points_on(&file, source.on(MeshRole::Target)).is_ok(), name == "p.csv");
+        assert_eq!(points_on(&file, source.on(MeshRole::Target), &NoScenes).is_ok(), name == "p.csv");
     }
 }
 
