@@ -138,7 +138,7 @@ mod tests {
             first_line(&TWO.replace("10 11 12\n", "")),
             "error: m.am:4: expected 2 landmarks in each set, found 1"
         );
-        assert_eq!(first_line(&TWO.replace("7 8 9", "7 8")), "error: m.am:19: expected three numbers, found `7 8`");
-        assert_eq!(first_line(&TWO.replace("7 8 9", "7 8 x")), "error: m.am:19: expected a number, found `x`");
+        assert_eq!(first_line(&TWO.replace("7 8 9", "7 8")), "error: m.am:20: expected three numbers, found `7 8`");
+        assert_eq!(first_line(&TWO.replace("7 8 9", "7 8 x")), "error: m.am:20: expected a number, found `x`");
     }
 }
