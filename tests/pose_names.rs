@@ -21,7 +21,7 @@ fn names_that_windows_reserves_are_replaced_and_told() {
     let project = with_poses(&["CON", "aux.l"]);
     let told = warnings(&project);
     assert!(told.contains("p.yaml:5: output: names of poses"), "{told}");
-    assert!(told.contains("`CON` as `CON_.obj`") || told.contains("`aux.l` as `aux_.l.obj`"), "{told}");
+    assert!(told.contains("`CON` as `CON_.obj`") && told.contains("`aux.l` as `aux_.l.obj`"), "{told}");
     let output = project.mimesh(&["run", "p.yaml"]);
     assert!([0, 3].contains(&output.status), "{}", output.stderr);
     assert!(project.path("out/CON_.obj").is_file() && project.path("out/aux_.l.obj").is_file());

@@ -49,11 +49,12 @@ pub(super) fn check_file_names(
     let pattern = pattern.file_name().unwrap_or_default().to_string_lossy();
     let replaced = poses.iter().zip(&names).filter(|(pose, name)| pattern.replace(POSE, &pose.name) != **name);
     let replaced: Vec<String> = replaced.map(|(pose, name)| format!("`{}` as `{name}`", pose.name)).collect();
-    if let Some(first) = replaced.first() {
-        let more = if replaced.len() > 1 { format!(" and {} more", replaced.len() - 1) } else { String::new() };
-        let place = place(scope, at);
+    if !replaced.is_empty() {
+        let more = if replaced.len() > MAX_LISTED { ", …" } else { "" };
+        let (place, some) = (place(scope, at), replaced.iter().take(MAX_LISTED).map(String::as_str));
         found.warnings.push(format!(
-            "{place}: names of poses have characters that files cannot have, or are reserved by Windows: {first}{more}"
+            "{place}: names of poses have characters that files cannot have, or are reserved by Windows: {}{more}",
+            some.collect::<Vec<_>>().join(", ")
         ));
     }
     let reserved: Vec<&str> = names.iter().map(String::as_str).filter(|name| is_reserved(name)).collect();
