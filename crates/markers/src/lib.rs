@@ -13,6 +13,7 @@
 //! [`point_source`], [`resolve`], and then the steps on markers.
 
 pub mod anatomy;
+mod anatomy_fit;
 pub mod attach;
 pub mod attacher;
 pub mod diagnose;

@@ -7,7 +7,7 @@ use nalgebra::Point3;
 use mimesh_document::{Diagnostic, Diagnostics, Kind, Location, Result};
 
 use crate::{
-    anatomy::{self, Fit},
+    anatomy_fit::{self, Fit},
     attach::attach,
     attacher::{Attached, Attacher},
     marker_files::MarkerFiles,
@@ -151,7 +151,7 @@ fn of_anatomy(
     let Some(anatomy) = file.anatomy else { return UnitAxes::IDENTITY };
     let (role, name, other) = (attacher.mesh.role, file.file.display(), anatomy.other());
     let mut note = |chosen: String, why: String| notes.push(Note { about: role.name(), chosen, why });
-    match anatomy::fit(file, attacher) {
+    match anatomy_fit::fit(file, attacher) {
         Fit::AsWritten => {
             note(format!("{anatomy}"), format!("the points of {name} lie on the {role} as the file has them"));
             UnitAxes::IDENTITY
