@@ -6,7 +6,6 @@ mod common;
 use common::{
     Project,
     arm::{bent, corners, json_of_glb},
-    diagnostics, json,
 };
 
 /// The arm's clip onto the arm itself: each triangle moves like itself.
@@ -264,24 +263,6 @@ fn inspect_lists_clips_and_the_mesh_lies_where_its_joints_put_it() {
     assert_eq!(inspected["animations"][0]["seconds"], 1.0);
     // The node of a skinned mesh does not move it: (5, 6, 7) is nowhere.
     assert_eq!(inspected["statistics"]["bounding_box"][1][1], 2.0, "{}", inspected["statistics"]);
-}
-
-#[test]
-fn names_that_other_systems_refuse_are_found() {
-    let project = Project::new();
-    let poses = ["pose-CON.obj", "pose-con2.obj", "pose-Con2.obj"];
-    for pose in poses {
-        project.write(pose, &common::leaning(0.1));
-    }
-    let warnings = json(&project.mimesh(&["check", "p.yaml", "--json"]).stdout)["warnings"].to_string();
-    if cfg!(not(any(windows, target_os = "macos"))) {
-        assert!(warnings.contains("names that Windows reserves: `CON.obj`"), "{warnings}");
-        assert!(warnings.contains("differ in capitals alone"), "{warnings}");
-    }
-    let long = "x".repeat(300);
-    project.edit("output: out/{pose}.obj", &format!("output: 'out/{long}{{pose}}.obj'"));
-    let found = diagnostics(&project, &[]);
-    assert!(found[0].contains("more than the 255 of file systems"), "{found:?}");
 }
 
 #[test]

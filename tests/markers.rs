@@ -282,3 +282,68 @@ fn real_markers_come_back_from_every_notation() {
         assert_eq!(pairs(&back), pairs(&expected), "{ending}");
     }
 }
+
+/// The points of `vertices` in the notation of each of several programs, by the ending of the file.
+fn written_elsewhere(vertices: &[usize], factor: f64) -> Vec<(&'static str, String)> {
+    let lines = |format: &dyn Fn(usize, [f64; 3]) -> String| -> Vec<String> {
+        vertices.iter().enumerate().map(|(i, v)| format(i, position(*v, factor))).collect()
+    };
+    let places = lines(&|_, [x, y, z]| format!("{x} {y} {z}\n"));
+    let count = vertices.len();
+    let fcsv = lines(&|i, [x, y, z]| format!("{i},{x},{y},{z},0,0,0,1,1,1,0,n{i},,\n"));
+    let controls =
+        lines(&|i, at| format!("{{\"label\": \"n{i}\", \"position\": {at:?}, \"positionStatus\": \"defined\"}}"));
+    let editor = lines(&|i, [x, y, z]| format!("S{i:03} {x} {y} {z}\n"));
+    let markups = format!(
+        "{{\"markups\": [{{\"type\": \"Fiducial\", \"coordinateSystem\": \"LPS\", \"controlPoints\": [{}]}}]}}",
+        controls.join(",\n")
+    );
+    let avizo = "Markers { float[3] Coordinates } @1\n\n@1\n";
+    vec![
+        ("fcsv", format!("# CoordinateSystem = 0\n{}", fcsv.concat())),
+        ("mrk.json", markups),
+        ("pts", format!("version: 1\nn_points: {count}\n{{\n{}}}\n", places.concat())),
+        ("editor.pts", format!("Version 1.0\n{count}\n{}", editor.concat())),
+        ("landmarkAscii", format!("# AmiraMesh 3D ASCII 2.0\ndefine Markers {count}\n{avizo}{}", places.concat())),
+    ]
+}
+
+#[test]
+fn points_of_other_programs_lead_to_the_same_vertices() {
+    let project = project("m.cons");
+    let vertices = [5, 40, 70];
+    for ((ending, source), (_, target)) in
+        written_elsewhere(&vertices, 1.0).into_iter().zip(written_elsewhere(&vertices, 2.0))
+    {
+        let files = [format!("s.{ending}"), format!("t.{ending}")];
+        project.write(&files[0], &source);
+        project.write(&files[1], &target);
+        assert_eq!(converted(&project, &[&files[0], &files[1]]), "3\n5, 5\n40, 40\n70, 70\n", "{ending}");
+        project.edit("markers: m.cons", &format!("markers: {{ source: {}, target: {} }}", files[0], files[1]));
+        let checked = project.mimesh(&["check", "p.yaml"]);
+        assert_eq!(checked.status, 0, "{ending}: {}", checked.stderr);
+        let by_order = ["pts", "landmarkAscii"].contains(&ending);
+        assert_eq!(checked.stdout.contains("markers.pairs"), by_order, "{ending}: {}", checked.stdout);
+        project.edit(&format!("markers: {{ source: {}, target: {} }}", files[0], files[1]), "markers: m.cons");
+    }
+}
+
+#[test]
+fn empties_of_a_gltf_are_markers_by_their_names() {
+    let project = project("{ source: s.gltf, target: t.gltf }");
+    for (file, factor, vertices) in [("s.gltf", 1.0, [5, 40, 70]), ("t.gltf", 2.0, [70, 5, 40])] {
+        let nodes = vertices.map(|v| format!("{{ \"name\": \"n{v}\", \"translation\": {:?} }}", position(v, factor)));
+        let nodes = nodes.join(", ");
+        project.write(
+            file,
+            &format!(
+                "{{ \"asset\": {{ \"version\": \"2.0\" }}, \"scene\": 0, \"scenes\": [{{ \"nodes\": [0, 1, 2, 3] }}], \
+                 \"nodes\": [{nodes}, {{ \"name\": \"{file}\" }}] }}"
+            ),
+        );
+    }
+    let checked = project.mimesh(&["check", "p.yaml"]);
+    assert_eq!(checked.status, 0, "{}", checked.stderr);
+    assert!(checked.stdout.contains("3 markers"), "{}", checked.stdout);
+    assert_eq!(converted(&project, &["s.gltf", "t.gltf"]), "3\n5, 5\n40, 40\n70, 70\n");
+}

@@ -105,7 +105,7 @@ impl Render {
             return Err(Diagnostic::new(Kind::Usage, message).hint("give one known result for each mesh").into());
         }
         self.check_size(meshes.len())?;
-        let draw = |(i, posed): (usize, &PosedMesh)| self.cell(posed, truths.get(i));
+        let draw = |(i, posed): (usize, &PosedMesh)| self.cell(posed, truths.get(i), &formats);
         let cells: Vec<Cell> = meshes.par_iter().enumerate().map(draw).collect::<Result<_>>()?;
         let columns = self.columns.unwrap_or_else(|| (meshes.len() as f64).sqrt().ceil() as u32).max(1);
         let rows: Vec<Vec<Cell>> = cells.chunks(columns as usize).map(<[Cell]>::to_vec).collect();
@@ -127,11 +127,11 @@ impl Render {
     }
 
     /// Draws one mesh: with markers if they are given, else with errors if `truth` is given.
-    fn cell(&self, posed: &PosedMesh, truth: Option<&PosedMesh>) -> Result<Cell> {
+    fn cell(&self, posed: &PosedMesh, truth: Option<&PosedMesh>, formats: &Formats) -> Result<Cell> {
         let camera: Camera = PictureSettings { view: self.view, up: self.up, target_up: None }.into();
         let surface = Surface::new(&posed.mesh).map_err(|error| in_file(&posed.file, error))?;
         let picture = if let Some(file) = &self.markers {
-            pictures::draw_markers(&surface, &self.points(file, posed, &surface)?, camera, self.size, STEEL)
+            pictures::draw_markers(&surface, &self.points(file, posed, &surface, formats)?, camera, self.size, STEEL)
         } else if let Some(truth) = truth {
             let errors = errors(&posed.mesh, &surface, &truth.mesh.positions);
             let errors = errors.map_err(|error| in_file(&truth.file, error))?;
@@ -143,9 +143,15 @@ impl Render {
     }
 
     /// The points of the markers in `file` on a mesh.
-    fn points(&self, file: &Path, posed: &PosedMesh, surface: &Surface) -> Result<Vec<SurfacePoint>> {
+    fn points(
+        &self,
+        file: &Path,
+        posed: &PosedMesh,
+        surface: &Surface,
+        formats: &Formats,
+    ) -> Result<Vec<SurfacePoint>> {
         let role = if matches!(self.side, Side::Target) { MeshRole::Target } else { MeshRole::Source };
-        points_on(file, MarkerMesh { role, mesh: &posed.mesh, surface })
+        points_on(file, MarkerMesh { role, mesh: &posed.mesh, surface }, formats)
     }
 }
 

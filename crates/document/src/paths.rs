@@ -53,6 +53,17 @@ pub fn identity(path: &Path) -> PathBuf {
     }
 }
 
+/// A form of `path` by which two names of one place in a folder are seen to be equal: links to one file stay different.
+pub fn entry_identity(path: &Path) -> PathBuf {
+    match (path.symlink_metadata(), path.parent(), path.file_name()) {
+        (Ok(found), Some(folder), Some(name)) if found.is_symlink() => {
+            identity(if folder.as_os_str().is_empty() { Path::new(".") } else { folder }).join(name)
+        }
+        // A file system that ignores capitals knows one file by several names.
+        _ => identity(path),
+    }
+}
+
 /// For a hint, the file in the folder of `path` whose name is most like its own.
 pub fn similar_file(path: &Path) -> Option<String> {
     if path.components().any(|part| part.as_os_str() == "~") {
@@ -100,6 +111,21 @@ mod tests {
         let at = |path: &str| identity(&folder.path().join(path));
         assert_eq!(at("new/../out/x.obj"), at("out/x.obj"));
         assert_eq!(at("out/../out/../x.obj"), at("x.obj"));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_to_one_file_are_different_entries() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |path: &str| folder.path().join(path);
+        std::fs::write(at("real"), "").unwrap();
+        ["a", "b"].into_iter().for_each(|link| std::os::unix::fs::symlink(at("real"), at(link)).unwrap());
+        std::os::unix::fs::symlink(folder.path(), at("here")).unwrap();
+        assert_eq!(identity(&at("a")), identity(&at("b")));
+        assert_ne!(entry_identity(&at("a")), entry_identity(&at("b")));
+        assert_ne!(entry_identity(&at("a")), entry_identity(&at("real")));
+        assert_eq!(entry_identity(&at("here/a")), entry_identity(&at("./a")));
+        assert_eq!(entry_identity(&at("here/real")), identity(&at("real")));
     }
 
     #[test]

@@ -50,10 +50,10 @@ pub fn export(markers: &MarkerFile, out: &Path, meshes: [MarkerMesh<'_>; 2]) -> 
 
 /// The notation of `out`, whose name has `{side}` if it needs it.
 fn check_name(out: &Path) -> Result<Notation> {
-    let Some(notation) = Notation::of(out) else {
+    let Some(notation) = Notation::of(out).filter(|notation| notation.is_written()) else {
         let hint = "endings of both sides in one file: .yaml, .cons; of one side each: .pp, .csv, .json, .txt (Wrap), as \
                     `points-{side}.pp`";
-        return Err(unusable(out, "no notation of markers has this ending".into(), hint));
+        return Err(unusable(out, no_notation(out), hint));
     };
     let (both, ending) = (notation.holds_both_sides(), ending(out));
     match (both, out.to_string_lossy().contains("{side}")) {
@@ -63,6 +63,13 @@ fn check_name(out: &Path) -> Result<Notation> {
         }
         (true, true) => Err(unusable(out, format!("a .{ending} holds both sides"), "remove `{side}` from its name")),
         _ => Ok(notation),
+    }
+}
+
+fn no_notation(out: &Path) -> String {
+    match Notation::of(out) {
+        Some(_) => format!("a .{} is read and not written", ending(out)),
+        None => "no notation of markers has this ending".into(),
     }
 }
 

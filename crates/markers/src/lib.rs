@@ -12,6 +12,8 @@
 //! In reading order: [`mesh`], [`model`], [`points`], [`formats`], [`read`], [`attach`](mod@attach), [`pairing`],
 //! [`point_source`], [`resolve`], and then the steps on markers.
 
+pub mod anatomy;
+mod anatomy_fit;
 pub mod attach;
 pub mod attacher;
 pub mod diagnose;
@@ -32,6 +34,7 @@ pub mod read;
 pub mod reattach;
 pub mod remedies;
 pub mod resolve;
+pub mod scene;
 pub mod side_names;
 pub mod stale;
 mod text;
@@ -45,9 +48,10 @@ pub use mesh::{MarkerMesh, MeshRole};
 pub use mirror::{Mirrored, Outcome, Plane, mirror};
 pub use model::{MarkerFile, MarkerPair, MarkerStatus, MeshReference};
 pub use notation::is_point_file;
-pub use point_source::{AttachedMarkers, PointSource};
+pub use point_source::{AttachedMarkers, Note, PointSource};
 pub use points::{NamedPoint, PointFile, PointPosition};
 pub use points_on::points_on;
 pub use read::{read_markers, read_points};
 pub use reattach::{Move, reattach};
+pub use scene::ScenePoints;
 pub use unit_axes::UnitAxes;

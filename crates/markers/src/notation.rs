@@ -15,6 +15,12 @@ pub enum Notation {
     Json,
     /// `.txt`: the points of one mesh, read as JSON or a table, and written for Wrap.
     Text,
+    /// `.fcsv`: the points of one mesh, as 3D Slicer saved them.
+    Fiducials,
+    /// `.pts`: the points of one mesh.
+    Points,
+    /// `.landmarkAscii`: the points of one mesh or of both, as Avizo and Amira save them.
+    Amira,
     /// `.csv`, `.tsv` and `.dat`: the points of one mesh.
     Table,
 }
@@ -28,6 +34,9 @@ impl Notation {
             "pp" => Some(Self::PickedPoints),
             "json" => Some(Self::Json),
             "txt" => Some(Self::Text),
+            "fcsv" => Some(Self::Fiducials),
+            "pts" => Some(Self::Points),
+            "landmarkascii" | "landmarkbin" | "am" => Some(Self::Amira),
             "csv" | "tsv" | "dat" => Some(Self::Table),
             _ => None,
         }
@@ -36,6 +45,11 @@ impl Notation {
     /// Whether one file holds both sides of the markers.
     pub fn holds_both_sides(self) -> bool {
         matches!(self, Self::Cons | Self::Yaml)
+    }
+
+    /// Whether files are written in this notation, and not only read.
+    pub fn is_written(self) -> bool {
+        !matches!(self, Self::Fiducials | Self::Points | Self::Amira)
     }
 }
 

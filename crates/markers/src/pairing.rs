@@ -7,7 +7,16 @@ use mimesh_document::{Diagnostic, Diagnostics, Kind, Location, Result, suggest::
 use crate::points::PointFile;
 
 /// Points named in a warning about many of them.
-const MAX_NAMED: usize = 6;
+pub const MAX_NAMED: usize = 6;
+
+/// The numbers of the points that belong together, and how they were found.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Paired {
+    /// The numbers in both files.
+    pub pairs: Vec<[usize; 2]>,
+    /// Whether points without names were paired by their order.
+    pub by_order: bool,
+}
 
 /// The numbers of the points that belong together: by name where both files share names, else by order. Sentences about
 /// points without a partner are added to `warnings`.
@@ -15,7 +24,7 @@ const MAX_NAMED: usize = 6;
 /// # Errors
 ///
 /// If a name comes twice in a file, or no name is shared and the files have different numbers of points.
-pub fn pair(files: &[PointFile; 2], warnings: &mut Vec<String>) -> Result<Vec<[usize; 2]>> {
+pub fn pair(files: &[PointFile; 2], warnings: &mut Vec<String>) -> Result<Paired> {
     let duplicates: Vec<Diagnostic> = files.iter().flat_map(PointFile::duplicate_names).collect();
     Diagnostics::from(duplicates).into_result()?;
     let pairs = by_name(files);
@@ -26,7 +35,7 @@ pub fn pair(files: &[PointFile; 2], warnings: &mut Vec<String>) -> Result<Vec<[u
         let paired: Vec<[usize; 2]> = pairs.iter().map(|pair| [pair[k], pair[1 - k]]).collect();
         warnings.extend(unpaired(&files[k], &files[1 - k], &paired));
     }
-    Ok(pairs)
+    Ok(Paired { pairs, by_order: false })
 }
 
 fn by_name([source, target]: &[PointFile; 2]) -> Vec<[usize; 2]> {
@@ -36,7 +45,7 @@ fn by_name([source, target]: &[PointFile; 2]) -> Vec<[usize; 2]> {
     (0..source.points.len()).filter_map(partner).collect()
 }
 
-fn by_order([source, target]: &[PointFile; 2], warnings: &mut Vec<String>) -> Result<Vec<[usize; 2]>> {
+fn by_order([source, target]: &[PointFile; 2], warnings: &mut Vec<String>) -> Result<Paired> {
     let (source_file, target_file) = (source.file.display(), target.file.display());
     let counts = [source.points.len(), target.points.len()];
     if counts[0] != counts[1] {
@@ -47,10 +56,11 @@ fn by_order([source, target]: &[PointFile; 2], warnings: &mut Vec<String>) -> Re
         let diagnostic = Diagnostic::new(Kind::BadData, message).at(Location::File(source.file.clone()));
         return Err(diagnostic.hint("call partners alike, or bring as many points in the same order").into());
     }
-    if [source, target].into_iter().all(|file| file.points.iter().any(|point| point.name.is_some())) {
+    let are_named = [source, target].into_iter().all(|file| file.points.iter().any(|point| point.name.is_some()));
+    if are_named {
         warnings.push(format!("{source_file}: no name is also in {target_file}; the points are paired by order"));
     }
-    Ok((0..counts[0]).map(|i| [i, i]).collect())
+    Ok(Paired { pairs: (0..counts[0]).map(|i| [i, i]).collect(), by_order: !are_named })
 }
 
 /// A sentence about the points of `file` that have no partner in `other`; `paired` holds the numbers in `file` and `other`.

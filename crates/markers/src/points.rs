@@ -1,7 +1,7 @@
 //! The points of one mesh, as files of points have them; two such files make markers.
 
 use std::{
-    collections::HashMap,
+    collections::{BTreeSet, HashMap},
     path::{Path, PathBuf},
 };
 
@@ -10,7 +10,7 @@ use nalgebra::Point3;
 use mimesh_core::mesh::MeshPoint;
 use mimesh_document::{Diagnostic, Kind, Location};
 
-use crate::text::in_line;
+use crate::{anatomy::Anatomy, text::in_line};
 
 /// The contents of a file with the points of one mesh.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -21,6 +21,17 @@ pub struct PointFile {
     pub points: Vec<NamedPoint>,
     /// Sentences about points that were left out.
     pub warnings: Vec<String>,
+    /// The system of the positions, if the file says that it is one of medical images.
+    pub anatomy: Option<Anatomy>,
+    /// What is known of the points if they are the nodes of a scene.
+    pub scene: Option<Scene>,
+}
+
+/// What is known of points that are the nodes of a scene.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Scene {
+    /// The names of nodes that may be there for others, such as groups and ends of chains of joints.
+    pub doubtful: BTreeSet<String>,
 }
 
 /// A point of one mesh.
@@ -65,6 +76,20 @@ impl PointFile {
     /// The name of point `i` in messages: the user's, or its number from 1.
     pub fn name(&self, i: usize) -> String {
         self.points[i].name.clone().unwrap_or_else(|| (i + 1).to_string())
+    }
+
+    /// Adds a point at `line`.
+    pub(crate) fn push_in_space(&mut self, name: Option<String>, position: Point3<f64>, line: usize) {
+        let location = Location::Line { file: self.file.clone(), line };
+        self.points.push(NamedPoint { name, position: PointPosition::InSpace(position), location });
+    }
+
+    /// Tells that points are left out, by name or number, because of `reason`; nothing if there are none.
+    pub(crate) fn warn_of_left_out(&mut self, reason: &str, names: &[String]) {
+        if !names.is_empty() {
+            let (count, names) = (names.len(), names.join(", "));
+            self.warnings.push(format!("{}: {count} {reason} and left out: {names}", self.file.display()));
+        }
     }
 
     /// The positions of the points that are given in space.

@@ -5,7 +5,7 @@ use std::path::Path;
 use mimesh_document::{Diagnostic, Kind, Location, Result};
 
 use crate::{
-    formats::{cons, json, pp, table, yaml},
+    formats::{amira, cons, fcsv, json, pp, pts, table, yaml},
     model::MarkerFile,
     notation::{Notation, ending},
     points::PointFile,
@@ -45,8 +45,10 @@ pub fn read_points(file: &Path) -> Result<PointFile> {
             Err(unusable(file, "this file holds both sides of the markers", hint).into())
         }
         None => {
-            let hint = "MeshLab writes .pp, Wrap .json or .txt; see docs/markers.md for tables and JSON";
-            Err(unusable(file, "not a file of points: expected .pp, .json, .txt or .csv", hint).into())
+            let hint =
+                "MeshLab writes .pp, Wrap .json or .txt, 3D Slicer .mrk.json or .fcsv; see docs/markers.md for all";
+            Err(unusable(file, "not a file of points: expected .pp, .json, .txt, .csv, .fcsv, .pts or .glb", hint)
+                .into())
         }
     }
 }
@@ -59,19 +61,56 @@ pub fn read_points(file: &Path) -> Result<PointFile> {
 pub fn parse_points(file: &Path, text: &str) -> Result<PointFile> {
     let text = text::strip_bom(text);
     let points = match (Notation::of(file), text.trim_start().chars().next()) {
+        (Some(Notation::Fiducials), _) => fcsv::parse(file, text)?,
+        (Some(Notation::Amira), _) => one_set(file, text)?,
+        _ if amira::is_amira(text) => one_set(file, text)?,
+        (Some(Notation::Points), _) => pts::parse(file, text)?,
         (Some(Notation::PickedPoints), _) | (_, Some('<')) => pp::parse(file, text)?,
         (Some(Notation::Json), _) | (_, Some('[' | '{')) => json::parse(file, text)?,
         _ => table::parse(file, text)?,
     };
-    if points.points.is_empty() {
-        let more = points.warnings.first().map_or(String::new(), |warning| format!(" ({warning})"));
-        let diagnostic = Diagnostic::new(Kind::BadData, format!("no points{more}")).at(Location::File(file.into()));
-        return Err(diagnostic.hint("pick some, and save the file again").into());
-    }
+    check_not_empty(&points)?;
     Ok(points)
 }
 
+/// The only set of landmarks in a file of Avizo or Amira.
+fn one_set(file: &Path, text: &str) -> Result<PointFile> {
+    let mut sets = amira::parse(file, text)?;
+    match (sets.pop(), sets.is_empty()) {
+        (Some(set), true) => Ok(set),
+        _ => {
+            let hint = "give it alone: the first of its sets is the source's, the second the target's";
+            Err(unusable(file, "this file holds both sides of the markers", hint).into())
+        }
+    }
+}
+
+/// The points of both meshes in one file of Avizo or Amira.
+///
+/// # Errors
+///
+/// All that is wrong with the file, and if it holds the points of one mesh.
+pub fn read_two_sets(file: &Path) -> Result<[PointFile; 2]> {
+    let sets: [PointFile; 2] = amira::parse(file, &text::read(file)?)?.try_into().map_err(|_| {
+        let hint = "give a file of points for each mesh, or save a landmark set with two sets";
+        unusable(file, "this file has one set of landmarks: it holds the points of one mesh only", hint)
+    })?;
+    sets.iter().try_for_each(check_not_empty)?;
+    Ok(sets)
+}
+
+/// Checks that a file has points.
+fn check_not_empty(points: &PointFile) -> Result<()> {
+    if points.points.is_empty() {
+        let more = points.warnings.first().map_or(String::new(), |warning| format!(" ({warning})"));
+        let diagnostic =
+            Diagnostic::new(Kind::BadData, format!("no points{more}")).at(Location::File(points.file.clone()));
+        return Err(diagnostic.hint("pick some, and save the file again").into());
+    }
+    Ok(())
+}
+
 /// The diagnostic of a file in a notation that does not fit its use.
-fn unusable(file: &Path, message: impl Into<String>, hint: &str) -> Diagnostic {
+pub(crate) fn unusable(file: &Path, message: impl Into<String>, hint: &str) -> Diagnostic {
     Diagnostic::new(Kind::Usage, message).at(Location::File(file.into())).hint(hint)
 }

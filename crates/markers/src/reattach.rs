@@ -140,7 +140,7 @@ fn too_far(moves: &[Move], attacher: &Attacher<'_>) -> Option<Diagnostic> {
         extent(&attacher.mesh.surface.positions)
     );
     let diagnostic = Diagnostic::new(Kind::BadData, message);
-    let fitting = unit_axes::detect(attacher, &positions).filter(|unit_axes| *unit_axes != UnitAxes::IDENTITY);
+    let fitting = unit_axes::detect(attacher, &positions, false).filter(|unit_axes| *unit_axes != UnitAxes::IDENTITY);
     Some(match fitting {
         Some(fitting) => diagnostic
             .hint(format!("they would fit {fitting}: bring the edited mesh back to its old unit and axes for this")),

@@ -4,7 +4,10 @@ use std::fmt;
 
 use nalgebra::Point3;
 
-use crate::attacher::{Attacher, is_too_far};
+use crate::{
+    anatomy::Anatomy,
+    attacher::{Attacher, MAX_DISTANCE, is_too_far},
+};
 
 /// Units and axes are guessed from this many points or more: fewer would fit by chance.
 pub const MIN_POINTS: usize = 3;
@@ -16,6 +19,8 @@ pub struct UnitAxes {
     pub factor: f64,
     /// The change of axes.
     pub axes: Axes,
+    /// Whether positions are taken from LPS to RAS or back before that.
+    pub half_turn: bool,
 }
 
 /// A change of axes.
@@ -37,12 +42,16 @@ const AXES: [Axes; 4] = [Axes::Same, Axes::ZUpToYUp, Axes::YUpToZUp, Axes::Excha
 
 impl UnitAxes {
     /// No change.
-    pub const IDENTITY: Self = Self { factor: 1.0, axes: Axes::Same };
+    pub const IDENTITY: Self = Self { factor: 1.0, axes: Axes::Same, half_turn: false };
+
+    /// From LPS to RAS or back, and nothing else.
+    pub const HALF_TURN: Self = Self { half_turn: true, ..Self::IDENTITY };
 
     /// `p` in the other unit and axes.
     pub fn apply(self, p: &Point3<f64>) -> Point3<f64> {
+        let p = if self.half_turn { Anatomy::turned(p) } else { *p };
         let turned = match self.axes {
-            Axes::Same => *p,
+            Axes::Same => p,
             Axes::ZUpToYUp => Point3::new(p.x, p.z, -p.y),
             Axes::YUpToZUp => Point3::new(p.x, -p.z, p.y),
             Axes::Exchanged => Point3::new(p.x, p.z, p.y),
@@ -59,42 +68,63 @@ impl fmt::Display for UnitAxes {
             Axes::YUpToZUp => "turned from Y up to Z up, (x, y, z) to (x, -z, y)",
             Axes::Exchanged => "with Y and Z exchanged",
         };
-        match (self.factor == 1.0, axes.is_empty()) {
-            (true, true) => f.write_str("as they are"),
-            (true, false) => f.write_str(axes),
-            (false, true) => write!(f, "times {}", self.factor),
-            (false, false) => write!(f, "times {} and {axes}", self.factor),
-        }
+        let half_turn = if self.half_turn { "turned between LPS and RAS, (x, y, z) to (-x, -y, z)" } else { "" };
+        let factor = if self.factor == 1.0 { String::new() } else { format!("times {}", self.factor) };
+        let parts: Vec<&str> = [&*factor, half_turn, axes].into_iter().filter(|part| !part.is_empty()).collect();
+        if parts.is_empty() { f.write_str("as they are") } else { f.write_str(&parts.join(" and ")) }
     }
 }
 
-/// The unit and axes that bring all of `positions` to the surface; `None` if none do, or fewer than [`MIN_POINTS`] are given.
+/// The unit and axes that bring `positions` to the surface, the half turn between LPS and RAS among them if `half_turns`; `None` if
+/// none do, or fewer than [`MIN_POINTS`] are given.
 ///
-/// Among several that fit, it is the one with the smallest mean distance, and the plainer of equals.
-pub fn detect(attacher: &Attacher<'_>, positions: &[Point3<f64>]) -> Option<UnitAxes> {
+/// A third of the points may stay off the surface, but no fewer than [`MIN_POINTS`] lie on it: strays do not hide what the others say.
+/// Among several that fit, it is the one with the smallest mean distance, and the plainer of equals. A stray counts no more than the
+/// distance at which points are refused.
+pub fn detect(attacher: &Attacher<'_>, positions: &[Point3<f64>], half_turns: bool) -> Option<UnitAxes> {
     if positions.len() < MIN_POINTS {
         return None;
     }
+    let as_they_are = Distances::new(attacher, positions, UnitAxes::IDENTITY);
     let mut best: Option<(f64, UnitAxes)> = None;
-    for unit_axes in AXES.iter().flat_map(|&axes| FACTORS.map(|factor| UnitAxes { factor, axes })) {
-        let Some(distance) = total_distance(attacher, positions, unit_axes) else { continue };
+    let turns = if half_turns { &[false, true][..] } else { &[false] };
+    let all = turns.iter().flat_map(|&half_turn| AXES.map(|axes| UnitAxes { axes, half_turn, ..UnitAxes::IDENTITY }));
+    for unit_axes in all.flat_map(|axes| FACTORS.map(|factor| UnitAxes { factor, ..axes })) {
+        let found = Distances::new(attacher, positions, unit_axes);
+        // Where points stay off, the others must lie much nearer than they do as they are.
+        let is_better = found.far == 0 || unit_axes == UnitAxes::IDENTITY || 2.0 * found.median < as_they_are.median;
         // A mean that differs in the last digits is no reason to prefer the less plain.
-        if best.is_none_or(|(least, _)| distance < 0.999 * least - 1e-9) {
-            best = Some((distance, unit_axes));
+        if found.are_near() && is_better && best.is_none_or(|(least, _)| found.total < 0.999 * least - 1e-9) {
+            best = Some((found.total, unit_axes));
         }
     }
     best.map(|(_, unit_axes)| unit_axes)
 }
 
-/// The sum of the distances of `positions` from the surface; `None` if one of them lies too far off it.
-fn total_distance(attacher: &Attacher<'_>, positions: &[Point3<f64>], unit_axes: UnitAxes) -> Option<f64> {
-    let mut total = 0.0;
-    for position in positions {
-        let distance = attacher.attach(&unit_axes.apply(position)).distance;
-        total += distance;
-        if is_too_far(distance) {
-            return None;
-        }
+/// How far positions lie off the surface under some unit and axes.
+struct Distances {
+    count: usize,
+    /// The number of positions that would be refused.
+    far: usize,
+    /// The sum of the distances, each at most that at which positions are refused.
+    total: f64,
+    median: f64,
+}
+
+impl Distances {
+    fn new(attacher: &Attacher<'_>, positions: &[Point3<f64>], unit_axes: UnitAxes) -> Self {
+        let distances = positions.iter().map(|position| attacher.attach(&unit_axes.apply(position)).distance);
+        let mut distances: Vec<f64> = distances.collect();
+        distances.sort_by(f64::total_cmp);
+        let far = distances.iter().filter(|distance| is_too_far(**distance)).count();
+        let near: f64 = distances.iter().filter(|distance| !is_too_far(**distance)).sum();
+        let median = distances.get(distances.len() / 2).copied().unwrap_or(f64::INFINITY);
+        Self { count: positions.len(), far, total: near + far as f64 * MAX_DISTANCE, median }
     }
-    Some(total)
+
+    /// Whether two thirds of the positions lie on the surface, and no fewer than [`MIN_POINTS`].
+    fn are_near(&self) -> bool {
+        let near = self.count - self.far;
+        near >= MIN_POINTS && 3 * near >= 2 * self.count
+    }
 }

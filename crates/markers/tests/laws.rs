@@ -21,7 +21,7 @@ fn point() -> impl Strategy<Value = MeshPoint> {
 }
 
 /// Texts of every notation, to be damaged.
-const FILES: [(&str, &str); 9] = [
+const FILES: [(&str, &str); 14] = [
     ("m.cons", "2\n750, 3386\n524 3737\n"),
     (
         "m.yaml",
@@ -45,6 +45,23 @@ const FILES: [(&str, &str); 9] = [
     ("m.csv", "name,x,y,z\n\"left, \u{e9}\", 1, 2.5, -3\n# a remark\n\nnose,1e-3,0,7\n"),
     ("m.tsv", "---\tIdentifier\tVertexIndex\nRow_0\tnose\t7\n"),
     ("m.txt", "nose 1  2.5 -3\n\"left ear\" 0 1e-3 7\n"),
+    (
+        "m.fcsv",
+        "# CoordinateSystem = LPS\n# columns = id,x,y,z,ow,ox,oy,oz,vis,sel,lock,label,desc,associatedNodeID\n\
+         1,1,2.5,-3,0,0,0,1,1,1,0,\"left, \u{e9}\",,\n2,0,1e-3,7,0,0,0,1,1,1,0,nose,,,2,0\n",
+    ),
+    (
+        "m.mrk.json",
+        "{\"markups\": [{\"type\": \"Fiducial\", \"coordinateSystem\": \"LPS\", \"controlPoints\": [\n{\"label\": \"nose\", \
+         \"position\": [1, 2.5, -3], \"positionStatus\": \"defined\"}, {\"label\": \"\", \"position\": [0, 1e-3, 7]}]}]}",
+    ),
+    ("editor.pts", "Version 1.0\n2\nS000 1 2.5 -3\nS001 9999 9999 9999\n"),
+    ("m.pts", "version: 1\nn_points: 2\n{\n1 2.5 -3\n0 1e-3 7\n}\n"),
+    (
+        "m.am",
+        "# AmiraMesh 3D ASCII 2.0\ndefine Markers 2\nParameters { NumSets 1 }\nMarkers { float[3] Coordinates } @1\n\n@1\n1 2.5 -3\n\
+         0 1e-3 7\n",
+    ),
 ];
 
 /// What happens to some bytes of a file.

@@ -9,10 +9,10 @@ use mimesh_core::{
     Error,
     mesh::{Mesh, MeshSequence},
     plugin,
-    stage::{FileInput, Format, MeshWriter, Selection},
+    stage::{FileInput, Format, MeshWriter, ScenePoint, Selection},
 };
 use mimesh_document::diagnostic::{self, Diagnostic, Kind, Location};
-use mimesh_markers::IntoDiagnostic;
+use mimesh_markers::{IntoDiagnostic, ScenePoints};
 use nalgebra::Point3;
 
 use crate::file_on_disk::{FileOnDisk, Reach};
@@ -163,6 +163,13 @@ impl Formats {
             None => format!("the file name has no extension, so its format is not known to {does} it"),
         };
         Err(Unknown { message, hint: format!("formats that {does}: {}", known.join(", ")) })
+    }
+}
+
+impl ScenePoints for Formats {
+    fn scene_points(&self, file: &Path) -> Option<Result<Vec<ScenePoint>, Error>> {
+        let format = self.reader(file).ok().filter(|format| format.holds_points())?;
+        Some(format.read_points(&self.input(file)))
     }
 }
 

@@ -4,9 +4,32 @@
 pub const POSE: &str = "{pose}";
 
 /// `pattern` with `{pose}` replaced by `name`, in which characters that file systems refuse become `_`.
+///
+/// A name that Windows reserves gets a `_`, unless it is the pattern that makes it so: `CON` becomes `CON_.obj`.
 pub fn with_pose(pattern: &str, name: &str) -> String {
     let refused = |c: char| c.is_control() || "/\\:*?\"<>|".contains(c);
-    pattern.replace(POSE, &name.replace(refused, "_"))
+    let name = name.replace(refused, "_");
+    let whole = pattern.replace(POSE, &name);
+    if !is_reserved(file_name(&whole)) {
+        return whole;
+    }
+    let (stem, rest) = name.split_at(name.find('.').unwrap_or(name.len()));
+    let free = pattern.replace(POSE, &format!("{stem}_{rest}"));
+    if is_reserved(file_name(&free)) { whole } else { free }
+}
+
+/// Whether Windows refuses the name of a file: a device of that name, with any extension, or a dot or blank at the end.
+pub fn is_reserved(name: &str) -> bool {
+    let stem = name.split('.').next().unwrap_or_default().trim_end().to_uppercase();
+    let is_device = matches!(stem.as_str(), "CON" | "PRN" | "AUX" | "NUL" | "CONIN$" | "CONOUT$");
+    let numbered = ["COM", "LPT"].iter().filter_map(|device| stem.strip_prefix(device));
+    let mut digits = numbered.map(|number| number.chars().collect::<Vec<_>>());
+    let is_port = digits.any(|number| matches!(number[..], ['1'..='9' | '¹' | '²' | '³']));
+    is_device || is_port || name.ends_with(['.', ' '])
+}
+
+fn file_name(path: &str) -> &str {
+    path.rsplit(['/', '\\']).next().unwrap_or(path)
 }
 
 /// The placeholders in braces of `pattern`, without the braces.
@@ -21,6 +44,31 @@ mod tests {
     #[test]
     fn names_of_poses_cannot_leave_the_folder() {
         assert_eq!(with_pose("out/{pose}.obj", "../a:b"), "out/.._a_b.obj");
+    }
+
+    #[test]
+    fn devices_are_reserved_with_any_extension() {
+        for reserved in ["con.obj", "NUL", "Aux.tar.gz", "com1.ply", "LPT9.obj", "COM².obj", "conin$.obj", "a.", "b "]
+        {
+            assert!(is_reserved(reserved), "{reserved}");
+        }
+        for fine in ["cone.obj", "com0.obj", "com10.obj", "a.con", ".con.obj", "con_.obj", "a .obj"] {
+            assert!(!is_reserved(fine), "{fine}");
+        }
+    }
+
+    #[test]
+    fn reserved_names_become_others_where_the_pose_makes_them_so() {
+        assert_eq!(with_pose("out/{pose}.obj", "CON"), "out/CON_.obj");
+        assert_eq!(with_pose("out/{pose}.obj", "aux.smile"), "out/aux_.smile.obj");
+        assert_eq!(with_pose("out/{pose}.obj", "nul "), "out/nul _.obj");
+        assert_eq!(with_pose("out/pose-{pose}.obj", "CON"), "out/pose-CON.obj");
+        assert_eq!(with_pose("con/{pose}.obj", "smile"), "con/smile.obj");
+        assert_eq!(with_pose("con.{pose}.obj", "smile"), "con.smile.obj");
+    }
+
+    #[test]
+    fn placeholders_are_found_in_order() {
         assert_eq!(placeholders("{a}/x{pose}.obj"), ["a", "pose"]);
     }
 }

@@ -87,6 +87,8 @@ fn values(prepared: &Prepared) -> Value {
             }
             // Names are taken where nothing is said of markers.
             "markers" if typed["markers"].is_null() => {}
+            // What was found out about files of points is found out again.
+            stage if stage.starts_with("markers.") => {}
             stage => values[stage] = json!({ "type": choice.chosen }),
         }
     }

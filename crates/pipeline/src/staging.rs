@@ -19,6 +19,15 @@ use mimesh_markers::IntoDiagnostic;
 /// A result with a [`Diagnostic`].
 type Result<T> = std::result::Result<T, Diagnostic>;
 
+/// What file systems in use take for a name, in bytes.
+const MAX_NAME: usize = 255;
+
+/// The bytes that the name of a temporary file has beside that of its place: two dots, a process of ten digits, and `.part`.
+const AFFIXES: usize = 17;
+
+/// The longest name in bytes that a file may have to be written.
+pub const MAX_WRITTEN_NAME: usize = MAX_NAME - AFFIXES;
+
 /// The temporary files that exist.
 static TEMPORARY: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 

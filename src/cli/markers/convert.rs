@@ -1,8 +1,10 @@
 //! `mimesh markers convert`: markers in another notation.
 
+use std::path::PathBuf;
+
 use mimesh_core::mesh::MeshPoint;
 use mimesh_document::diagnostic::{Diagnostic, Kind, Location, Result};
-use mimesh_markers::{AttachedMarkers, MarkerFile};
+use mimesh_markers::{AttachedMarkers, MarkerFile, Note, notation::Notation};
 use mimesh_pipeline::text::count;
 use serde_json::json;
 
@@ -16,7 +18,8 @@ use crate::cli::{
 /// Writes markers in another notation, and reports the distances of points to their mesh.
 ///
 /// Files of pairs are .cons and .yaml. Files of points, one for each side, are MeshLab's .pp, Wrap's .json and .txt,
-/// and named points as .csv or .json. The command reads and writes them all. In the name of files to write, `{side}`
+/// and named points as .csv or .json. The command reads and writes them all. It also reads points of 3D Slicer
+/// (.mrk.json, .fcsv), .pts, Avizo's .landmarkAscii, and the empties of a .glb. In the name of files to write, `{side}`
 /// stands for `source` and `target`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
@@ -45,7 +48,7 @@ impl Convert {
     /// Runs the command.
     pub fn run(&self) -> CommandResult {
         let loaded = self.common.load()?;
-        if self.from_one.is_some() && loaded.files.one().is_none() {
+        if self.from_one.is_some() && !holds_pairs(loaded.files.one()) {
             let hint = "files of points count from 0; correct the numbers in the files, or remove `--from-one`";
             return Err(usage("it counts the numbers of a .cons or .yaml only".into()).hint(hint).into());
         }
@@ -60,16 +63,24 @@ impl Convert {
         let written = self.common.write(&loaded, &attached.markers)?;
         if self.common.json {
             terminal::print_json(&json!({
-                "markers": attached.markers.pairs.len(),
+                "markers": attached.markers.pairs.len(), "notes": notes_json(&attached.notes),
                 "source": side_json(&attached, 0), "target": side_json(&attached, 1), "written": written,
             }));
         } else {
             let mut text = format!("{}\n", count(attached.markers.pairs.len(), "marker", "markers"));
             (0..2).for_each(|k| text.push_str(&side_text(&attached, k)));
+            for Note { about, chosen, why } in &attached.notes {
+                text.push_str(&format!("{about}: {chosen}: {why}\n"));
+            }
             terminal::print(&(text + &written_lines(&written)));
         }
         Ok(Status::Done)
     }
+}
+
+/// Whether `file` holds pairs by number: two sets of positions in one file are none.
+fn holds_pairs(file: Option<&PathBuf>) -> bool {
+    file.is_some_and(|file| Notation::of(file) != Some(Notation::Amira))
 }
 
 /// The markers with numbers that count from 0, if those of `sides` count from 1.
@@ -114,6 +125,11 @@ fn side_text(attached: &AttachedMarkers, k: usize) -> String {
         percent(mean),
         percent(*farthest)
     )
+}
+
+fn notes_json(notes: &[Note]) -> Vec<serde_json::Value> {
+    let note = |Note { about, chosen, why }: &Note| json!({ "about": about, "chosen": chosen, "why": why });
+    notes.iter().map(note).collect()
 }
 
 fn side_json(attached: &AttachedMarkers, k: usize) -> serde_json::Value {

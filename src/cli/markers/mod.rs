@@ -87,6 +87,7 @@ struct Loaded {
     target: RestMesh,
     files: MarkerFiles,
     out: PathBuf,
+    formats: Formats,
 }
 
 impl Common {
@@ -123,7 +124,7 @@ impl Common {
             }
             _ => return Err(Diagnostic::new(Kind::Usage, "expected one to three files").into()),
         };
-        Ok(Loaded { source, target, files, out: out.clone() })
+        Ok(Loaded { source, target, files, out: out.clone(), formats: self.roots.formats() })
     }
 
     /// Writes `markers`, shows the warnings, and gives the paths of the written files.
@@ -157,7 +158,7 @@ impl Loaded {
 
     /// Reads the markers and attaches them to the meshes, with their unit and axes fitted to these if `fit` is set.
     fn markers(&self, fit: bool) -> Result<AttachedMarkers> {
-        let attached = PointSource::read(&self.files)?.attach(self.meshes(), fit)?;
+        let attached = PointSource::read(&self.files, &self.formats)?.attach(self.meshes(), fit)?;
         attached.warnings.iter().for_each(|warning| terminal::warn(warning));
         Ok(attached)
     }

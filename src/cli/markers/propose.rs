@@ -10,7 +10,7 @@ use mimesh_core::{
 use mimesh_document::diagnostic::{Diagnostic, Kind, Location, Result};
 use mimesh_markers::{MarkerFile, MarkerFiles, MarkerStatus, MeshRole, PointSource, export};
 use mimesh_pipeline::{
-    Options,
+    Formats, Options,
     input::Meshes,
     pictures, prepare_meshes,
     propose::{as_file, propose},
@@ -123,6 +123,11 @@ impl MeshArguments {
         Ok((meshes, stage))
     }
 
+    /// The formats in which files are read.
+    pub fn formats(&self) -> Formats {
+        self.roots.formats()
+    }
+
     /// Whether the stage may run a program.
     pub fn allow_commands(&self) -> bool {
         self.allow_commands
@@ -130,10 +135,10 @@ impl MeshArguments {
 }
 
 /// The pairs of the files of `meshes` that a person stands for.
-pub fn confirmed(meshes: &Meshes) -> Result<Vec<Marker>> {
+pub fn confirmed(meshes: &Meshes, formats: &Formats) -> Result<Vec<Marker>> {
     let Some(files) = &meshes.markers else { return Ok(vec![]) };
     let on = [meshes.source.for_markers(MeshRole::Source), meshes.target.for_markers(MeshRole::Target)];
-    let attached = PointSource::read(files)?.attach(on, false)?;
+    let attached = PointSource::read(files, formats)?.attach(on, false)?;
     attached.warnings.iter().for_each(|warning| terminal::warn(warning));
     let mut markers = attached.markers;
     markers.pairs.retain(|pair| pair.status == MarkerStatus::Confirmed);
@@ -150,7 +155,7 @@ impl Propose {
             file.map_or(Ok(()), |file| self.check(OutFile { option, file }, endings))?;
         }
         let (meshes, stage) = self.meshes.read()?;
-        let clicks = confirmed(&meshes)?;
+        let clicks = confirmed(&meshes, &self.meshes.formats())?;
         let sides = [&meshes.source, &meshes.target];
         let proposal = propose(stage.as_ref(), sides, &clicks, self.meshes.allow_commands())?;
         proposal.figures.warnings.iter().for_each(|warning| terminal::warn(warning));

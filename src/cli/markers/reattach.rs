@@ -40,7 +40,7 @@ impl Reattach {
     /// Runs the command.
     pub fn run(&self) -> CommandResult {
         let loaded = self.common.load()?;
-        let mut markers = match PointSource::read(&loaded.files)? {
+        let mut markers = match PointSource::read(&loaded.files, &loaded.formats)? {
             PointSource::Pairs(markers) => markers,
             PointSource::Sides(_) => loaded.markers(false)?.markers,
         };

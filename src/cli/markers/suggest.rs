@@ -6,7 +6,7 @@ use mimesh_core::{
 };
 use mimesh_document::diagnostic::{Diagnostic, Kind, Result};
 use mimesh_markers::{IntoDiagnostic, MarkerStatus, MeshRole, PointSource};
-use mimesh_pipeline::{input::Meshes, propose::propose, text::count};
+use mimesh_pipeline::{Formats, input::Meshes, propose::propose, text::count};
 use serde_json::json;
 
 use crate::cli::{
@@ -35,7 +35,7 @@ impl Suggest {
     /// Runs the command.
     pub fn run(&self) -> CommandResult {
         let (meshes, stage) = self.meshes.read()?;
-        let Known { pairs, are_clicks } = known(&meshes)?;
+        let Known { pairs, are_clicks } = known(&meshes, &self.meshes.formats())?;
         let known = if are_clicks {
             let sides = [&meshes.source, &meshes.target];
             let proposed = propose(stage.as_ref(), sides, &pairs, self.meshes.allow_commands());
@@ -98,10 +98,10 @@ struct Known {
 }
 
 /// The pairs of the files of `meshes`, none if these name no files.
-fn known(meshes: &Meshes) -> Result<Known> {
+fn known(meshes: &Meshes, formats: &Formats) -> Result<Known> {
     let Some(files) = &meshes.markers else { return Ok(Known { pairs: vec![], are_clicks: true }) };
     let on = [meshes.source.for_markers(MeshRole::Source), meshes.target.for_markers(MeshRole::Target)];
-    let mut markers = PointSource::read(files)?.attach(on, false)?.markers;
+    let mut markers = PointSource::read(files, formats)?.attach(on, false)?.markers;
     markers.pairs.retain(|pair| pair.target.is_some());
     let are_clicks = markers.pairs.iter().all(|pair| pair.status == MarkerStatus::Confirmed);
     Ok(Known { pairs: markers.resolve(on)?, are_clicks })

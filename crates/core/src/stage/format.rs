@@ -8,6 +8,17 @@ use crate::{
     mesh::{Mesh, MeshSequence, Polygons},
 };
 
+/// A named node of a scene that may stand for a point of its mesh, such as an empty of Blender.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ScenePoint {
+    /// The name of the node.
+    pub name: String,
+    /// Where it stands, in the unit and axes in which the mesh is read.
+    pub position: Point3<f64>,
+    /// Whether the node may be there for others: it has nodes below it, or stands below a joint.
+    pub is_doubtful: bool,
+}
+
 /// A file format, found by the extension of a path.
 ///
 /// # Contract
@@ -66,6 +77,20 @@ pub trait Format: Debug + Send + Sync {
     /// Whether a file may hold several poses, so that one named among files of poses is asked for them.
     fn holds_poses(&self) -> bool {
         false
+    }
+
+    /// Whether a file may hold named points, so that one named as markers is asked for them.
+    fn holds_points(&self) -> bool {
+        false
+    }
+
+    /// Reads the named nodes of the scene that stand for nothing else: no mesh, camera, light or joint.
+    ///
+    /// # Errors
+    ///
+    /// The errors of [`read`](Self::read).
+    fn read_points(&self, _input: &dyn FileInput) -> Result<Vec<ScenePoint>> {
+        Ok(Vec::new())
     }
 
     /// Whether a file holds polygons. A point cache has positions alone: its poses are those of a mesh in another file.

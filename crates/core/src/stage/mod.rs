@@ -30,7 +30,7 @@ pub use component_ref::ComponentRef;
 pub use correspondence::Correspondence;
 pub use deformer::{BoundDeformer, Deformer, Fit, Skin};
 pub use file_input::{BytesInput, FileInput};
-pub use format::{Format, check_pose, check_vertices};
+pub use format::{Format, ScenePoint, check_pose, check_vertices};
 pub use generator::Generator;
 pub use handles::{HandlePoints, unreached};
 pub use key_points::{ChoiceStep, ChoiceWatch, Chosen, KeyPoints, KeyPointsInput};

@@ -6,6 +6,7 @@
 //! | `{"nose": [42, 0.3, 0.5], …}` | Wrap, with names |
 //! | `{"nose": [x, y, z], …}`, `[[x, y, z], …]` | Blender empties, Houdini, Wrap's 3D points |
 //! | `{"nose": 750, "ear": [12, 13, 14, 15], …}` | Blender vertex groups: a vertex, or the nearest to the mean of several |
+//! | `{"markups": [{"controlPoints": […]}]}` | 3D Slicer, see [`markups`] |
 //! | `[{"name": "nose", "position": [x, y, z]}, …]` | named points; also `vertex`, or `triangle` and `barycentric` |
 
 use std::path::Path;
@@ -19,6 +20,7 @@ use mimesh_document::{Diagnostics, Location, Result};
 use super::{
     json_point::{Meaning, point},
     json_syntax::{self, describe, is_number, normalized},
+    markups,
 };
 use crate::{
     points::{ExportPoint, NamedPoint, PointFile},
@@ -38,6 +40,9 @@ pub fn parse(file: &Path, text: &str) -> Result<PointFile> {
     let lines = Lines::new(text);
     let location = |offset: usize| Location::Line { file: file.into(), line: lines.line(offset) };
     let root = json_syntax::parse(text).map_err(|(offset, error)| Diagnostics::from(error.at(location(offset))))?;
+    if let Some(all) = markups::markups(&root) {
+        return markups::points(file, &lines, all);
+    }
     let root = contained(&root);
     let items: Vec<(Option<&str>, &Value<'_>)> = match root {
         Value::Array(array) => array.elements.iter().map(|item| (None, item)).collect(),

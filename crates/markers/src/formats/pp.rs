@@ -42,10 +42,7 @@ pub fn parse(file: &Path, text: &str) -> Result<PointFile> {
             Err(errors) => diagnostics.extend(errors.into_iter().map(|error| error.at(location.clone()))),
         }
     }
-    if !inactive.is_empty() {
-        let (count, names) = (inactive.len(), inactive.join(", "));
-        result.warnings.push(format!("{}: {count} not active and left out: {names}", file.display()));
-    }
+    result.warn_of_left_out("not active", &inactive);
     diagnostics.into_result().map(|()| result)
 }
 

@@ -1,11 +1,26 @@
 //! Meshes to put markers on.
 
+// Each test file uses a part of it.
+#![allow(dead_code)]
+
+use std::path::Path;
+
 use mimesh_core::{
     mesh::{Mesh, Surface},
+    stage::ScenePoint,
     testkit::meshes,
 };
-use mimesh_markers::{MarkerMesh, MeshRole};
+use mimesh_markers::{MarkerMesh, MeshRole, ScenePoints};
 use nalgebra::Point3;
+
+/// No file is a scene.
+pub struct NoScenes;
+
+impl ScenePoints for NoScenes {
+    fn scene_points(&self, _: &Path) -> Option<mimesh_core::Result<Vec<ScenePoint>>> {
+        None
+    }
+}
 
 /// A mesh with its surface.
 pub struct Meshed {

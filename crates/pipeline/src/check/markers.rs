@@ -5,11 +5,12 @@ use std::path::Path;
 use mimesh_core::stage::Marker;
 use mimesh_document::{Diagnostic, Kind, Location, Step, path};
 use mimesh_markers::{
-    MarkerFile, MarkerFiles, MarkerMesh, MarkerStatus, MeshRole, PointSource, from_landmarks, notation::Notation,
+    MarkerFile, MarkerFiles, MarkerMesh, MarkerStatus, MeshRole, Note, PointSource, from_landmarks, notation::Notation,
 };
 
 use super::findings::{Findings, Scope};
 use crate::{
+    choices::Choice,
     input::{FileHashes, RestMesh},
     marker_source::CLICKS,
 };
@@ -92,12 +93,14 @@ fn of_files(
     if found.diagnostics.len() > before {
         return None;
     }
-    let read = PointSource::read(&files);
+    let read = PointSource::read(&files, scope.formats);
     let read = read.map_err(|failure| found.diagnostics.extend(failure.into_iter().map(as_named))).ok()?;
     let (source, target) = (source?, target?);
     let attached = read.attach([source.as_in_file(MeshRole::Source), target.as_in_file(MeshRole::Target)], false);
     let attached = attached.map_err(|failure| found.diagnostics.extend(failure)).ok()?;
     found.warnings.extend(attached.warnings);
+    let choice = |note: Note| Choice::new(format!("markers.{}", note.about), note.chosen, note.why);
+    found.choices.extend(attached.notes.into_iter().map(choice));
     if let Some(file) = files.one() {
         warn_of_changes(found, &attached.markers, file, [source, target], hashes);
     }

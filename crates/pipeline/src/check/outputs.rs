@@ -60,15 +60,16 @@ pub(super) fn outputs(
                 }
             }
         } else if let Some(output) = output(scope, found, &pattern, poses, &at) {
-            match &output {
-                Output::Poses(files) => check_file_names(scope, found, poses, files, &at),
+            let names_fit = match &output {
+                Output::Poses(files) => check_file_names(scope, found, poses, &pattern, files, &at),
                 Output::Sequence(file) => {
                     check_size(scope, found, file, target, (poses, are), &at);
                     warn_of_clip(found, file, target);
+                    true
                 }
-            }
+            };
             // The first file that cannot be written stands for all of a pattern.
-            let _ = output.files().iter().all(|file| files.add(scope, found, file, &at));
+            let _ = names_fit && output.files().iter().all(|file| files.add(scope, found, file, &at));
             outputs.meshes.push(output);
         }
     }

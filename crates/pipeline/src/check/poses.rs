@@ -8,7 +8,7 @@ use std::{
 use mimesh_core::stage::{PoseChoice, RestShape, Selection};
 use mimesh_document::{
     At, Step, path,
-    paths::{identity, stem},
+    paths::{entry_identity, identity, stem},
     suggest::did_you_mean,
 };
 
@@ -153,7 +153,7 @@ fn pose_files(scope: Scope<'_>, found: &mut Findings, poses: &Poses, rest: Optio
         Poses::Mapped(_) => path(["source", "poses", "files"]),
         _ => path(["source", "poses"]),
     };
-    let rest = rest.map(|rest| identity(&scope.path(&at_file(scope, "source"), &rest.file)));
+    let rest = rest.map(|rest| scope.path(&at_file(scope, "source"), &rest.file));
     if patterns.items.is_empty() {
         found.wrong(scope, &slot, At::Value, "the sequence of poses is empty", "name at least one file");
     }
@@ -164,7 +164,8 @@ fn pose_files(scope: Scope<'_>, found: &mut Findings, poses: &Poses, rest: Optio
     for (i, pattern) in patterns.items.iter().enumerate().filter(|(_, pattern)| !pattern.is_empty()) {
         let at = if patterns.listed { [&slot[..], &[Step::Index(i)]].concat() } else { slot.clone() };
         for pose in matching(scope, found, pattern, &at, rest.as_ref()) {
-            if seen.insert(identity(&pose.path)) {
+            // Frames that are held are often links to one file.
+            if seen.insert(entry_identity(&pose.path)) {
                 poses.push(PoseInput { name: pose.name, time: None, from: PoseFrom::File(pose.path) });
             }
         }
@@ -188,7 +189,7 @@ fn matching(
             return vec![];
         }
     };
-    let is_rest = |file: &Path| rest.is_some_and(|rest| *rest == identity(file));
+    let is_rest = |file: &Path| rest.is_some_and(|rest| is_same_mesh(file, rest));
     let hint = || nearby(&scope.path(at, Path::new(pattern)));
     if files.is_empty() {
         found.missing(scope, at, format!("no file matches `{pattern}`"), hint());
@@ -206,6 +207,12 @@ fn matching(
         }
     }
     readable
+}
+
+/// Whether `file` is the rest mesh itself: a link to it is a pose that holds the rest.
+fn is_same_mesh(file: &Path, rest: &Path) -> bool {
+    let is_link = file.symlink_metadata().is_ok_and(|found| found.is_symlink());
+    entry_identity(file) == entry_identity(rest) || (!is_link && identity(file) == identity(rest))
 }
 
 /// The poses of all files; those that several files hold under one name get the name of the file before their own.

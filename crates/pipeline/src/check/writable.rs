@@ -9,8 +9,14 @@ use std::{
 use mimesh_document::{At, Diagnostic, Kind, Location, Step, paths::identity};
 use mimesh_markers::OTHER_OUTPUT_FOLDER;
 
-use super::findings::{Findings, Scope};
-use crate::input::{InputFile, Prepared};
+use super::{
+    file_names::too_long,
+    findings::{Findings, Scope},
+};
+use crate::{
+    input::{InputFile, Prepared},
+    staging::MAX_WRITTEN_NAME,
+};
 
 /// The folder for results that was given beside the file.
 #[derive(Debug)]
@@ -52,6 +58,10 @@ impl<'a> WritableFiles<'a> {
     fn check(&mut self, scope: Scope<'_>, file: &Path, at: &[Step]) -> Option<Diagnostic> {
         let shown = file.display();
         let of_file = |message: String| scope.document.diagnostic(at, At::Value, message);
+        let name = file.file_name().unwrap_or_default().to_string_lossy();
+        if name.len() > MAX_WRITTEN_NAME {
+            return Some(of_file(too_long(&name)).hint("give the file a shorter name"));
+        }
         let identity = identity(file);
         if let Some(role) = self.inputs.get(&identity) {
             let diagnostic = of_file(format!("{shown} would overwrite an input ({role})"));

@@ -17,7 +17,7 @@ use mimesh_core::{
     mesh::{Mesh, MeshSequence},
     plugin::check_ranges,
     register,
-    stage::{FileInput, Format, MeshWriter, Selection, SequenceFormat, SequenceWriter, WriteError},
+    stage::{FileInput, Format, MeshWriter, ScenePoint, Selection, SequenceFormat, SequenceWriter, WriteError},
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -122,6 +122,14 @@ impl Format for Glb {
         true
     }
 
+    fn holds_points(&self) -> bool {
+        true
+    }
+
+    fn read_points(&self, input: &dyn FileInput) -> Result<Vec<ScenePoint>> {
+        read::points(input)
+    }
+
     fn writer(&self) -> Option<MeshWriter<'_>> {
         Some(MeshWriter::Sequence(self))
     }
@@ -161,6 +169,14 @@ impl Format for Gltf {
 
     fn holds_poses(&self) -> bool {
         true
+    }
+
+    fn holds_points(&self) -> bool {
+        true
+    }
+
+    fn read_points(&self, input: &dyn FileInput) -> Result<Vec<ScenePoint>> {
+        read::points(input)
     }
 
     fn writer(&self) -> Option<MeshWriter<'_>> {

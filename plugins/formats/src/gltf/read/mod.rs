@@ -4,7 +4,8 @@
 //! - [`meshopt`], [`draco`], [`views`] and [`accessor`]: numbers out of bytes;
 //! - [`nodes`], [`scene`], [`skin`], [`morphs`], [`sampler`] and [`clips`]: what places and moves vertices;
 //! - [`evaluator`] and [`poses`]: positions in any state of that;
-//! - [`primitive`], [`attributes`], [`materials`], [`builder`] and [`reader`]: the mesh.
+//! - [`primitive`], [`attributes`], [`materials`], [`builder`] and [`reader`]: the mesh;
+//! - [`empties`]: nodes that stand for points.
 
 mod accessor;
 mod asset;
@@ -13,6 +14,7 @@ mod builder;
 mod clips;
 mod container;
 mod draco;
+mod empties;
 mod evaluator;
 mod extensions;
 mod materials;
@@ -31,4 +33,5 @@ mod uri;
 mod views;
 
 pub use asset::Asset;
+pub use empties::points;
 pub use reader::read;

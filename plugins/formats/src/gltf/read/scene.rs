@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 
 use super::{
-    asset::{Asset, follow},
+    asset::{Asset, follow, get},
     materials,
     primitive::is_thin,
 };
@@ -29,15 +29,9 @@ pub struct Placed {
 /// Names the node, scene or mesh that does not exist.
 pub fn placed(asset: &Asset) -> Result<Vec<Placed>, String> {
     let root = &asset.root;
-    let mut pending = roots(asset)?;
-    pending.reverse();
     let mut found = Vec::new();
-    let mut seen = HashSet::new();
-    while let Some(index) = pending.pop() {
-        let node = super::asset::get(&root.nodes, index, "node")?;
-        if !seen.insert(index) {
-            return Err(format!("node {index} stands in two places of the scene"));
-        }
+    for index in nodes(asset)? {
+        let node = &root.nodes[index];
         if let Some(mesh) = node.mesh {
             let shown = follow(&root.meshes, mesh, "mesh")?;
             let name = node.name.as_ref().filter(|name| !name.is_empty()).or(shown.name.as_ref());
@@ -50,6 +44,26 @@ pub fn placed(asset: &Asset) -> Result<Vec<Placed>, String> {
                 primitives: (0..shown.primitives.len()).collect(),
             });
         }
+    }
+    Ok(found)
+}
+
+/// The nodes of the default scene, else the first, else of no scene at all; each followed by those below it.
+///
+/// # Errors
+///
+/// Names the node or scene that does not exist, and a node that stands in two places.
+pub fn nodes(asset: &Asset) -> Result<Vec<usize>, String> {
+    let root = &asset.root;
+    let mut pending = roots(asset)?;
+    pending.reverse();
+    let (mut found, mut seen) = (Vec::new(), HashSet::new());
+    while let Some(index) = pending.pop() {
+        let node = get(&root.nodes, index, "node")?;
+        if !seen.insert(index) {
+            return Err(format!("node {index} stands in two places of the scene"));
+        }
+        found.push(index);
         pending.extend(node.children.iter().flatten().rev().map(|child| child.value()));
     }
     Ok(found)

@@ -5,6 +5,7 @@ mod buffers;
 mod build;
 mod built;
 mod difference;
+mod empties;
 mod evaluate;
 mod plain;
 mod real_files;
