@@ -39,8 +39,17 @@ impl Inspect {
         let format = formats.reader_of(file)?;
         let with_file = |error| in_file(file, error);
         let sequence = formats.read(file, &Selection::default()).map_err(with_file)?;
-        let statistics = Statistics::new(&sequence.rest).map_err(with_file)?;
         let size = std::fs::metadata(file).map(|metadata| metadata.len()).unwrap_or_default();
+        let title = format!("{} ({}, {})\n", file.display(), format.typetag_name(), bytes(size));
+        if !format.holds_faces() {
+            if self.json {
+                terminal::print_json(&cache_as_json(file, size, &sequence));
+            } else {
+                terminal::print(&cache_page(title, &sequence));
+            }
+            return Ok(Status::Done);
+        }
+        let statistics = Statistics::new(&sequence.rest).map_err(with_file)?;
         let graph = match self.components || self.graphviz {
             true => Some(ComponentGraph::new(&sequence.rest).map_err(with_file)?),
             false => None,
@@ -54,8 +63,7 @@ impl Inspect {
         } else if let Some(graph) = graph {
             terminal::print(&if self.graphviz { graph.graphviz() } else { graph.table() });
         } else {
-            let kind = format.typetag_name();
-            terminal::print(&page(&format!("{} ({kind}, {})\n", file.display(), bytes(size)), &sequence, &statistics));
+            terminal::print(&page(&title, &sequence, &statistics));
         }
         Ok(Status::Done)
     }
@@ -78,6 +86,31 @@ fn as_json(file: &Path, bytes: u64, sequence: &MeshSequence, statistics: &Statis
         "landmarks": sequence.landmarks.iter().map(|landmark| &landmark.name).collect::<Vec<_>>(),
         "warnings": sequence.warnings,
     })
+}
+
+/// The content of a file of poses without polygons.
+fn cache_as_json(file: &Path, bytes: u64, sequence: &MeshSequence) -> Value {
+    let animation = |a: &Animation| json!({ "name": a.name, "seconds": a.seconds });
+    json!({
+        "file": file, "bytes": bytes, "vertices": sequence.rest.positions.len(),
+        "poses": sequence.poses.iter().map(|pose| &pose.name).collect::<Vec<_>>(),
+        "animations": sequence.animations.iter().map(animation).collect::<Vec<_>>(),
+        "warnings": sequence.warnings,
+    })
+}
+
+/// The same as text, below `title`.
+fn cache_page(title: String, sequence: &MeshSequence) -> String {
+    let names = shortened(sequence.poses.iter().map(|pose| pose.name.clone()).collect());
+    let mut rows = vec![
+        ("vertices".to_owned(), thousands(sequence.rest.positions.len())),
+        ("polygons".to_owned(), "none: these are poses of the mesh in another file".to_owned()),
+        ("poses".to_owned(), format!("{}: {names}", sequence.poses.len())),
+    ];
+    if !sequence.animations.is_empty() {
+        rows.push(("animations".to_owned(), shortened(sequence.animations.iter().map(animation).collect())));
+    }
+    title + &pairs(&rows)
 }
 
 /// The content of a mesh as text, below `title`.

@@ -8,7 +8,7 @@ use mimesh_core::{
 };
 use nalgebra::Point3;
 
-use crate::{input::RestMesh, spec::Axis};
+use crate::{axis::Axis, input::RestMesh};
 
 /// Fewer markers say too little of left and right.
 const MIN_MARKERS: usize = 6;

@@ -8,6 +8,7 @@
 //! The crate knows no command line and no terminal: errors carry a [`Kind`](mimesh_document::Kind), ways out that depend on the
 //! program around it are [remedies](mimesh_document::Remedy), and progress goes to a [`Progress`].
 
+pub mod axis;
 pub mod cache;
 pub mod check;
 pub mod choices;
@@ -37,6 +38,7 @@ mod rest_choice;
 mod run;
 pub mod schema;
 pub mod seam_points;
+pub mod shapes;
 pub mod spec;
 pub mod spelled_out;
 pub mod staging;

@@ -72,6 +72,7 @@ pub fn parse(document: &Document, required: Required, diagnostics: &mut Diagnost
     let pipeline = Pipeline {
         source: slots.required("source").unwrap_or_default(),
         target: slots.required("target").unwrap_or_default(),
+        shapes: slots.optional("shapes"),
         key_points: slots.optional("key_points"),
         markers: slots.markers(),
         proximity: slots.stage("proximity"),

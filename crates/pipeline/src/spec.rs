@@ -10,12 +10,14 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::{
+    axis::Axis,
     choices::stage_or_auto,
     marker_source::MarkerSource,
     one_or_many::OneOrMany,
     pose_files::Poses,
     rest::{self, Rest},
     seam_points::SeamPoint,
+    shapes::ShapeSettings,
 };
 
 /// A pipeline: a source with its poses, a target, and how the target takes the poses.
@@ -28,6 +30,9 @@ pub struct Pipeline {
     pub source: Source,
     /// The mesh that takes the motion.
     pub target: Target,
+    /// For poses that are shapes of a face or body: which are taken, what they are called and what they may move.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub shapes: Option<ShapeSettings>,
     /// The choice of points on the source that describe its poses best, to be completed as markers; a run does not use it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub key_points: Option<Box<dyn KeyPoints>>,
@@ -177,33 +182,6 @@ pub struct Target {
     /// Stages then see its mirror image, and results are mirrored back.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mirrored: Option<Axis>,
-}
-
-/// An axis of the coordinates.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Axis {
-    /// The first coordinate.
-    X,
-    /// The second coordinate.
-    Y,
-    /// The third coordinate.
-    Z,
-}
-
-impl Axis {
-    /// All axes, by number.
-    pub const ALL: [Self; 3] = [Self::X, Self::Y, Self::Z];
-
-    /// Its number: 0 to 2.
-    pub fn index(self) -> usize {
-        self as usize
-    }
-
-    /// Its name, as in YAML.
-    pub fn name(self) -> &'static str {
-        ["x", "y", "z"][self.index()]
-    }
 }
 
 /// From where the meshes are looked at.

@@ -119,9 +119,10 @@ pub fn pairs(rows: &[(String, String)]) -> String {
 }
 
 /// Names in a message, ten at most.
-pub fn some_of(names: &[&str]) -> String {
+pub fn some_of<S: AsRef<str>>(names: &[S]) -> String {
     let more = if names.len() > 10 { ", …" } else { "" };
-    format!("{}{more}", names[..names.len().min(10)].join(", "))
+    let first: Vec<&str> = names.iter().take(10).map(AsRef::as_ref).collect();
+    format!("{}{more}", first.join(", "))
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 mod closest_point;
 mod edge_paths;
 mod handedness;
+mod mirror_map;
 mod nearest;
 mod similarity;
 mod surface_distance;
@@ -10,6 +11,7 @@ mod surface_distance;
 pub use closest_point::{ClosestPoint, OnSurface};
 pub use edge_paths::EdgePaths;
 pub use handedness::{MIRRORED, mirror_gain, whitened};
+pub use mirror_map::MirrorMap;
 pub use nearest::Nearest;
 pub use similarity::{Orientation, Oriented, Similarity, Taken, angle_between};
 pub use surface_distance::{DistanceSearch, SurfaceDistance};

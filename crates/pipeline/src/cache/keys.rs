@@ -17,6 +17,7 @@ use crate::{
     json::{to_bytes, to_value},
     programs::program_file,
     schema::{FileSetting, SchemaNode, file_settings},
+    shapes::{Region, ShapeEdit},
 };
 
 /// The key of a stage's result, and the inputs that it is the hash of.
@@ -112,6 +113,10 @@ impl RunKeys {
             .par_iter()
             .map(|pose| hash_of_pose(&prepared.source, &source, pose, &prepared.formats, hashes))
             .collect();
+        let of_edits = prepared.shape_edits.par_iter().map(|edit| hash_of_edit(edit, prepared, &source));
+        let poses_alone = poses;
+        let poses: Vec<_> =
+            poses_alone.par_iter().zip(of_edits).map(|(pose, edit)| with_edit((*pose)?, edit)).collect();
         let (settings, files) = settings_and_files("transfer", to_value(&pipeline.transfer), hashes);
         let wanted = pipeline.transfer.as_ref().map_or(0, |transfer| transfer.poses_wanted());
         let transfer = StageKey::new(
@@ -125,7 +130,7 @@ impl RunKeys {
                 ("markers", markers),
                 ("proximity", proximity_hex),
                 ("correspondence", to_value(&correspondence.as_ref().map(StageKey::hex))),
-                ("poses it learns from", hash_of_chosen(&poses, wanted)),
+                ("poses it learns from", hash_of_chosen(&poses_alone, wanted)),
                 ("poses are", to_value(&prepared.poses_are)),
             ],
         );
@@ -254,6 +259,32 @@ fn hash_of_pose(
         }
     }
     Some(hasher.finalize())
+}
+
+/// The hash of what becomes of a shape: `Some(None)` if it stays as it is, `None` if a file cannot be read.
+fn hash_of_edit(edit: &ShapeEdit, prepared: &Prepared, of_source: &str) -> Option<Option<Hash>> {
+    if edit.is_none() {
+        return Some(None);
+    }
+    let mut hasher = Hasher::new();
+    hasher.update(&to_bytes(&(edit.mirrored, edit.strength)));
+    match edit.region.as_deref() {
+        None => {}
+        Some(Region::MovedBy(pose)) => {
+            let of_pose = hash_of_pose(&prepared.source, of_source, pose, &prepared.formats, &prepared.hashes)?;
+            hasher.update(of_pose.as_bytes());
+        }
+        Some(region) => _ = hasher.update(&to_bytes(region)),
+    }
+    Some(Some(hasher.finalize()))
+}
+
+/// The hash of a pose with what becomes of it.
+fn with_edit(pose: Hash, edit: Option<Option<Hash>>) -> Option<Hash> {
+    Some(match edit? {
+        None => pose,
+        Some(edit) => blake3::hash(&[pose.as_bytes().as_slice(), edit.as_bytes()].concat()),
+    })
 }
 
 /// The hash of the ground truth of pose `i`, or of there being none.

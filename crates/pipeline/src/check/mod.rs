@@ -15,6 +15,7 @@ mod rest_meshes;
 mod run_diagnostics;
 mod runs;
 mod seams;
+mod shapes;
 mod shared;
 mod stages;
 mod writable;

@@ -21,6 +21,7 @@ use super::{
     rest_meshes::{check_inside_out, check_mirrored},
     run_diagnostics::RunDiagnostics,
     seams::{SeamCache, open_like},
+    shapes::shapes,
     shared::SharedMeshes,
     stages::{check_files, check_marker_count, check_stages, refused},
     writable::{Destination, conflict, name_reports},
@@ -170,6 +171,8 @@ fn prepare_one(
     if are_proposed {
         check_mirrored(found_mut, source.as_deref(), target.as_deref());
     }
+    let has_map = pipeline.correspondence.is_some();
+    let (poses, shape_edits) = shapes(scope, found_mut, pipeline.shapes.as_ref(), poses, target.as_deref(), has_map);
     let truth = ground_truth(scope, found_mut, pipeline.truth.as_deref(), target.as_deref(), &poses);
     let metrics = metrics(scope, found_mut, pipeline.metrics.take(), &truth);
     let gates = gates(scope, found_mut, &pipeline.gates, &metrics, &truth);
@@ -210,6 +213,7 @@ fn prepare_one(
         pipeline,
         document,
         poses,
+        shape_edits,
         poses_are,
         markers: if are_proposed { OnceLock::new() } else { markers.into() },
         clicks,

@@ -13,7 +13,10 @@ use mimesh_document::Document;
 use mimesh_markers::MarkerFiles;
 
 use super::{FileHashes, GroundTruth, Outputs, PoseInput, RestMesh};
-use crate::{choices::Choice, compose::Variant, formats::Formats, metrics::Gate, report::StageReport, spec::Pipeline};
+use crate::{
+    choices::Choice, compose::Variant, formats::Formats, metrics::Gate, report::StageReport, shapes::ShapeEdit,
+    spec::Pipeline,
+};
 
 /// A pipeline without mistakes, its rest meshes read.
 #[derive(Debug)]
@@ -34,6 +37,8 @@ pub struct Prepared {
     pub target: Arc<RestMesh>,
     /// The poses of the source, at least one.
     pub poses: Vec<PoseInput>,
+    /// What becomes of each pose once the target has it, in the order of `poses`.
+    pub shape_edits: Vec<ShapeEdit>,
     /// What the poses are to each other.
     pub poses_are: PosesAre,
     /// Pairs of points of the two surfaces; those that a stage proposes are there once it has run.

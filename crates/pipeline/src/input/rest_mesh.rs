@@ -9,7 +9,7 @@ use mimesh_core::{
 };
 use nalgebra::Point3;
 
-use crate::spec::Axis;
+use crate::axis::Axis;
 
 /// One of the two meshes at rest, with its surface.
 #[derive(Debug)]

@@ -12,8 +12,8 @@ use serde_json::Value;
 use super::{
     measure::Measurer,
     poses::{PoseRunner, Stream},
+    shapes::Shapes,
     stages::Stages,
-    untouched::Untouched,
     written,
 };
 use crate::{
@@ -99,10 +99,11 @@ fn execute(prepared: &Prepared, plan: &Plan, cache: Option<&Cache>, progress: &d
     let thumbnails = prepared.outputs.are_visual().then(|| Thumbnails::new(prepared));
     let measurer =
         Measurer { prepared, metrics: &metrics, measured: measured.as_deref(), thumbnails: thumbnails.as_ref() };
-    let untouched = Untouched::new(prepared, &stages);
-    let runner = PoseRunner { prepared, stages: &stages, measurer: &measurer, untouched: &untouched, progress };
+    let shapes = Shapes::new(prepared, &stages);
+    let runner = PoseRunner { prepared, stages: &stages, measurer: &measurer, shapes: &shapes, progress };
     let clock = Clock::start();
-    let Stream { poses, failed, files, warnings } = runner.stream()?;
+    let Stream { poses, failed, files, mut warnings } = runner.stream()?;
+    warnings.extend(shapes.warning());
     drop(metrics);
     staged.extend(files);
     stages.report(clock.stop("poses", "", Default::default()));

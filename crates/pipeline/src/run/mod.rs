@@ -3,8 +3,8 @@
 mod execute;
 mod measure;
 mod poses;
+mod shapes;
 mod stages;
-mod untouched;
 mod written;
 
 pub use execute::{Finished, run};

@@ -14,8 +14,8 @@ use rayon::prelude::*;
 
 use super::{
     measure::{Measurer, PosedPose},
+    shapes::Shapes,
     stages::Stages,
-    untouched::Untouched,
 };
 use crate::{
     cache::PosedTarget,
@@ -36,8 +36,8 @@ pub(super) struct PoseRunner<'a> {
     pub stages: &'a Stages<'a>,
     /// The measurements and the pictures.
     pub measurer: &'a Measurer<'a>,
-    /// Keeps at rest what rests in the shapes of the source.
-    pub untouched: &'a Untouched<'a>,
+    /// Changes shapes as the pipeline says.
+    pub shapes: &'a Shapes<'a>,
     /// Receives the progress.
     pub progress: &'a dyn Progress,
 }
@@ -274,7 +274,7 @@ impl<'a> PoseRunner<'a> {
     ) -> PoseResult<PosedTarget> {
         let transfer = |posed: &[Point3<f64>]| {
             let mut transferred = transfer(posed)?;
-            self.untouched.keep(posed, &mut transferred.positions)?;
+            self.shapes.edit(i, posed, &mut transferred.positions)?;
             Ok(transferred)
         };
         let target = posed_target(self.prepared, posed, transfer).map_err(|error| {

@@ -1,0 +1,16 @@
+//! Sets of shapes: which are taken, what they are called, how strong they are and where they may move the target.
+//!
+//! - [`settings`]: what a pipeline says of them;
+//! - [`conventions`]: the names that programs give to shapes of faces;
+//! - [`sides`]: left and right in names;
+//! - [`edit`]: what becomes of one shape.
+
+mod conventions;
+mod edit;
+mod settings;
+mod sides;
+
+pub use conventions::Convention;
+pub use edit::{Region, ShapeEdit};
+pub use settings::{Channel, Mask, Mirror, ShapeSettings};
+pub use sides::{Side, side};
