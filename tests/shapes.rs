@@ -148,9 +148,9 @@ fn the_other_side_is_the_mirror_image() {
     run(&project);
     assert_eq!(results(&project), ["browDown", "cheekLeft", "cheekRight", "jawOpen"]);
     let (left, right) = (moved(&project, "cheekLeft"), moved(&project, "cheekRight"));
-    for v in 0..SIDE * SIDE {
+    for (v, left) in left.iter().enumerate() {
         let other = v / SIDE * SIDE + (SIDE - 1 - v % SIDE);
-        let expected = Vector3::new(-left[v].x, left[v].y, left[v].z);
+        let expected = Vector3::new(-left.x, left.y, left.z);
         // The nearest point is found to some 1e-8.
         assert!((right[other] - expected).norm() < 1e-6, "{v}: {} {expected}", right[other]);
     }
