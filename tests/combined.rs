@@ -44,8 +44,10 @@ fn errors(bodies: &Path, target: &str, markers: &[(usize, usize)], transfer: &st
     let bodies = bodies.display();
     project.write(
         "p.yaml",
+        // As frames, so that plates that rest in a pose are not simply kept there, which is better than either.
         &format!(
-            "source: {{ rest: '{bodies}/source/rest.obj', poses: ['{bodies}/source/kick.obj', '{bodies}/source/bow.obj'] }}\n\
+            "source: {{ rest: '{bodies}/source/rest.obj', poses: ['{bodies}/source/kick.obj', '{bodies}/source/bow.obj'], \
+             poses_are: frames }}\n\
              target: {{ rest: '{bodies}/{target}/rest.obj' }}\ntruth: '{bodies}/{target}/truth-{{pose}}.ply'\n\
              markers: m.cons\nproximity: {{ type: spanning_tree }}\ncorrespondence: {{ type: nonrigid_fit }}\n\
              transfer: {transfer}\nmetrics: [{{ type: point_error }}]\noutput: out/x.glb\n"

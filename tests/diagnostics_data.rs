@@ -297,7 +297,9 @@ fn a_point_cache_is_no_mesh_but_gives_one_poses() {
     cache.extend(1_i32.to_le_bytes());
     cache.extend([0; 8 * 12]);
     std::fs::write(project.path("a.pc2"), cache).unwrap();
-    let output = project.mimesh(&["inspect", "a.pc2"]);
+    let page = project.mimesh(&["inspect", "a.pc2"]);
+    assert!(page.status == 0 && page.stdout.contains("poses       1: a-0"), "{}", page.stdout);
+    let output = project.mimesh(&["transfer", "a.pc2", "target.obj", "-o", "x.glb"]);
     assert_eq!(output.status, 65);
     assert_eq!(
         output.stderr.trim_end(),
