@@ -6,7 +6,7 @@
 //! | `{"nose": [42, 0.3, 0.5], …}` | Wrap, with names |
 //! | `{"nose": [x, y, z], …}`, `[[x, y, z], …]` | Blender empties, Houdini, Wrap's 3D points |
 //! | `{"nose": 750, "ear": [12, 13, 14, 15], …}` | Blender vertex groups: a vertex, or the nearest to the mean of several |
-//! | `{"markups": [{"controlPoints": […]}]}` | 3D Slicer, see [`markups`] |
+//! | `{"markups": [{"controlPoints": […]}]}` | 3D Slicer |
 //! | `[{"name": "nose", "position": [x, y, z]}, …]` | named points; also `vertex`, or `triangle` and `barycentric` |
 
 use std::path::Path;

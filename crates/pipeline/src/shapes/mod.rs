@@ -1,9 +1,9 @@
 //! Sets of shapes: which are taken, what they are called, how strong they are and where they may move the target.
 //!
-//! - [`settings`]: what a pipeline says of them;
-//! - [`conventions`]: the names that programs give to shapes of faces;
-//! - [`sides`]: left and right in names;
-//! - [`edit`]: what becomes of one shape.
+//! - [`ShapeSettings`]: what a pipeline says of them;
+//! - [`Convention`]: the names that programs give to shapes of faces;
+//! - [`side`]: left and right in names;
+//! - [`ShapeEdit`]: what becomes of one shape.
 
 mod conventions;
 mod edit;
