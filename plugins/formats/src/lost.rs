@@ -2,7 +2,7 @@
 
 use mimesh_core::mesh::Mesh;
 
-use crate::{attributes::by_vertex, extras::Extras, gltf::GltfDocument};
+use crate::{attributes::by_vertex, extras::Extras, gltf::document::GltfDocument};
 
 /// Data of a mesh beside positions and polygons.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -6,7 +6,7 @@
 //! Out ([`write`]): for a mesh that was read from a glTF, that file with morph targets added; for others a node an object, a primitive a
 //! material, vertices cut along seams, one morph target a pose. [`document`] is what the two share.
 
-mod document;
+pub(crate) mod document;
 mod read;
 #[cfg(test)]
 mod tests;
@@ -22,7 +22,6 @@ use mimesh_core::{
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-pub(crate) use document::GltfDocument;
 pub use write::{LengthUnit, PoseAnimation, UpAxis};
 
 use read::Asset;
