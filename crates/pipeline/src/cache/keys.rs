@@ -250,6 +250,7 @@ fn hash_of_pose(
         PoseFrom::File(path) => {
             // How a file is read may depend on the mesh at rest.
             hasher.update(of_source.as_bytes());
+            hasher.update(source.poses_change.to_string().as_bytes());
             update_file(&mut hasher, formats, hashes, path)?;
         }
     }

@@ -17,6 +17,7 @@ mod runs;
 mod seams;
 mod shared;
 mod stages;
+mod units;
 mod writable;
 
 pub use common::Options;

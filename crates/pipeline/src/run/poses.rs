@@ -1,6 +1,9 @@
 //! The poses of a run: read, transferred, measured and written in a stream, so that memory does not grow with their number.
 
-use std::path::{Path, PathBuf};
+use std::{
+    borrow::Cow,
+    path::{Path, PathBuf},
+};
 
 use mimesh_core::{
     Error, Result,
@@ -19,7 +22,7 @@ use super::{
 };
 use crate::{
     cache::PosedTarget,
-    input::{Output, PoseFrom, PoseInput, Prepared, read_pose},
+    input::{Output, OutputChange, PoseFrom, PoseInput, Prepared, read_pose},
     progress::Progress,
     report::PoseReport,
     staging::{self, Staged},
@@ -62,6 +65,14 @@ struct PoseOutput<'p> {
     files: Vec<Staged>,
 }
 
+/// A file in the making that takes all poses.
+struct Sequence<'a> {
+    path: PathBuf,
+    writer: Box<dyn SequenceWriter + 'a>,
+    /// The change of unit and axes before its poses are added.
+    change: Option<&'a OutputChange>,
+}
+
 type PoseResult<T> = std::result::Result<T, Diagnostic>;
 
 /// A pose with its number.
@@ -89,8 +100,9 @@ impl<'a> PoseRunner<'a> {
             for ((_, pose), output) in chunk.iter().zip(outputs) {
                 let diagnostic = match output {
                     Ok(output) => {
-                        for (path, writer) in &mut sequences {
-                            let added = writer.add(&pose.name, pose.time.as_ref(), &output.posed.target.positions);
+                        for Sequence { path, writer, change } in &mut sequences {
+                            let positions = in_units_of(*change, &output.posed.target.positions);
+                            let added = writer.add(&pose.name, pose.time.as_ref(), &positions);
                             added.map_err(|error| write_error(path, error).into_diagnostic())?;
                         }
                         stream.add(pose, output);
@@ -110,7 +122,7 @@ impl<'a> PoseRunner<'a> {
         }
         stream.warnings.extend(self.warnings_of_files());
         if stream.failed.len() < stream.poses.len() {
-            for (path, writer) in sequences {
+            for Sequence { path, writer, .. } in sequences {
                 stream
                     .warnings
                     .extend(writer.warnings().iter().map(|warning| format!("{}: {warning}", path.display())));
@@ -134,7 +146,7 @@ impl<'a> PoseRunner<'a> {
                 && let Ok((format, _)) = self.prepared.formats.writer(path)
                 && let Some(MeshWriter::Pose(writer)) = format.writer()
             {
-                let found = writer.warnings(folder_of(path), &self.prepared.target.sequence.rest);
+                let found = writer.warnings(folder_of(path), self.prepared.written_rest(format));
                 warnings.extend(found.iter().map(|warning| format!("{}: {warning}", path.display())));
             }
         }
@@ -142,17 +154,17 @@ impl<'a> PoseRunner<'a> {
     }
 
     /// A writer for each file that takes all poses.
-    fn sequences(&self) -> Result<Vec<(PathBuf, Box<dyn SequenceWriter + 'a>)>> {
+    fn sequences(&self) -> Result<Vec<Sequence<'a>>> {
         let mut writers = Vec::new();
         for output in &self.prepared.outputs.meshes {
             let Output::Sequence(path) = output else { continue };
             if let Ok((format, _)) = self.prepared.formats.writer(path)
                 && let Some(MeshWriter::Sequence(sequence)) = format.writer()
             {
-                let rest = &self.prepared.target.sequence.rest;
+                let (rest, change) = (self.prepared.written_rest(format), self.prepared.output_change(format));
                 let mut writer = sequence.start(rest).map_err(|error| write_error(path, error))?;
                 writer.set_poses_are(self.prepared.poses_are);
-                writers.push((path.clone(), writer));
+                writers.push(Sequence { path: path.clone(), writer, change });
             }
         }
         Ok(writers)
@@ -315,9 +327,10 @@ impl<'a> PoseRunner<'a> {
             if let Ok((format, _)) = self.prepared.formats.writer(path)
                 && let Some(MeshWriter::Pose(writer)) = format.writer()
             {
-                let rest = &self.prepared.target.sequence.rest;
+                let rest = self.prepared.written_rest(format);
+                let positions = in_units_of(self.prepared.output_change(format), positions);
                 let write = |out: &mut dyn std::io::Write| {
-                    writer.write_in(folder_of(path), rest, positions, out).map_err(|error| write_error(path, error))
+                    writer.write_in(folder_of(path), rest, &positions, out).map_err(|error| write_error(path, error))
                 };
                 files.push(staging::stage(path, write).map_err(cannot_write)?);
             }
@@ -356,6 +369,11 @@ fn posed_target(
         Error::data(format!("result: {error}"), hint)
     })?;
     Ok(PosedTarget { positions, figures: transferred.figures })
+}
+
+/// `positions` after the change of a file's unit and axes, if there is one.
+fn in_units_of<'p>(change: Option<&OutputChange>, positions: &'p [Point3<f64>]) -> Cow<'p, [Point3<f64>]> {
+    change.map_or(Cow::Borrowed(positions), |change| Cow::Owned(change.positions(positions)))
 }
 
 /// The folder of a file.
