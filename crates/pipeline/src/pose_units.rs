@@ -21,7 +21,7 @@ const MAX_EDGES: usize = 30_000;
 const MAX_STRETCH: f64 = 1.05;
 
 /// A turn is one of axes if the rotation of least squares is no farther from it, in degrees.
-const MAX_DEGREES: f64 = 20.0;
+const MAX_DEGREES: f64 = 30.0;
 
 /// A pose is turned as a whole if the turned rest is no farther from it, relative to its extent. Arms that hang down are that far
 /// from stretched ones.
