@@ -4,7 +4,7 @@ use mimesh_core::{
     mesh::Surface,
     spatial::{LengthUnit, MeshUnits, Orientation, Similarity, UnitAxes, UpAxis, angle_between},
 };
-use nalgebra::{Point3, Vector3};
+use nalgebra::{Matrix3, Point3, Vector3};
 
 use crate::{
     formats::Formats,
@@ -124,16 +124,18 @@ fn units_of(ratio: f64) -> Option<[LengthUnit; 2]> {
 fn turn(rest: &[Point3<f64>], posed: &[Point3<f64>]) -> Option<[UpAxis; 2]> {
     let laid = Similarity::fit(rest, posed, &vec![1.0; rest.len()], Orientation::Fitted);
     let pairs = UpAxis::ALL.into_iter().flat_map(|rest| UpAxis::ALL.map(|pose| [rest, pose]));
-    let matrix = |[rest, pose]: [UpAxis; 2]| {
-        let up = |up| MeshUnits { unit: None, up: Some(up) };
-        UnitAxes::between(up(rest), up(pose)).matrix()
-    };
     let mut turns = pairs.filter(|[rest, pose]| rest != pose);
-    let found = turns.find(|ups| angle_between(&laid.rotation, &matrix(*ups)) <= MAX_DEGREES)?;
+    let found = turns.find(|ups| angle_between(&laid.rotation, &rotation(*ups)) <= MAX_DEGREES)?;
     let mean = posed.iter().map(|p| p.coords).sum::<Vector3<f64>>() / posed.len() as f64;
     let distance: f64 = rest.iter().zip(posed).map(|(p, q)| (laid.apply(p) - q).norm_squared()).sum();
     let extent: f64 = posed.iter().map(|q| (q.coords - mean).norm_squared()).sum();
     (distance <= MAX_MISFIT * MAX_MISFIT * extent).then_some(found)
+}
+
+/// The rotation from one upward axis to another; that from Z to X is also that from X to Z.
+fn rotation([rest, pose]: [UpAxis; 2]) -> Matrix3<f64> {
+    let up = |up| MeshUnits { unit: None, up: Some(up) };
+    UnitAxes::between(up(rest), up(pose)).matrix()
 }
 
 #[cfg(test)]
@@ -161,11 +163,10 @@ mod tests {
                             MeshUnits { unit: Some(pose), up: Some(poses_up) },
                         );
                         let posed: Vec<_> = bent.iter().map(|p| change.apply(p)).collect();
-                        let expected = Difference {
-                            units: (rest != pose).then_some([rest, pose]),
-                            ups: (up != poses_up).then_some([up, poses_up]),
-                        };
-                        assert_eq!(Difference::between(&surface, &posed), expected);
+                        let found = Difference::between(&surface, &posed);
+                        assert_eq!(found.units, (rest != pose).then_some([rest, pose]));
+                        let ups = (up != poses_up).then_some([up, poses_up]);
+                        assert_eq!(found.ups.map(rotation), ups.map(rotation), "{ups:?}");
                     }
                 }
             }
