@@ -1,79 +1,23 @@
 //! Frequent reasons why points lie off their mesh: another unit, other axes.
 
-use std::fmt;
-
+use mimesh_core::spatial::{Axes, UpAxis};
 use nalgebra::Point3;
 
-use crate::{
-    anatomy::Anatomy,
-    attacher::{Attacher, MAX_DISTANCE, is_too_far},
-};
+pub use mimesh_core::spatial::UnitAxes;
+
+use crate::attacher::{Attacher, MAX_DISTANCE, is_too_far};
 
 /// Units and axes are guessed from this many points or more: fewer would fit by chance.
 pub const MIN_POINTS: usize = 3;
 
-/// A change of unit and axes, applied to positions before they are attached.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct UnitAxes {
-    /// The factor.
-    pub factor: f64,
-    /// The change of axes.
-    pub axes: Axes,
-    /// Whether positions are taken from LPS to RAS or back before that.
-    pub half_turn: bool,
-}
-
-/// A change of axes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Axes {
-    /// None.
-    Same,
-    /// From Z up to Y up: (x, z, −y).
-    ZUpToYUp,
-    /// From Y up to Z up: (x, −z, y).
-    YUpToZUp,
-    /// Y and Z exchanged: (x, z, y), which changes the hand.
-    Exchanged,
-}
-
 /// Metres to centimetres or millimetres, decimetres, and back.
 const FACTORS: [f64; 7] = [1.0, 100.0, 0.01, 1000.0, 0.001, 10.0, 0.1];
-const AXES: [Axes; 4] = [Axes::Same, Axes::ZUpToYUp, Axes::YUpToZUp, Axes::Exchanged];
-
-impl UnitAxes {
-    /// No change.
-    pub const IDENTITY: Self = Self { factor: 1.0, axes: Axes::Same, half_turn: false };
-
-    /// From LPS to RAS or back, and nothing else.
-    pub const HALF_TURN: Self = Self { half_turn: true, ..Self::IDENTITY };
-
-    /// `p` in the other unit and axes.
-    pub fn apply(self, p: &Point3<f64>) -> Point3<f64> {
-        let p = if self.half_turn { Anatomy::turned(p) } else { *p };
-        let turned = match self.axes {
-            Axes::Same => p,
-            Axes::ZUpToYUp => Point3::new(p.x, p.z, -p.y),
-            Axes::YUpToZUp => Point3::new(p.x, -p.z, p.y),
-            Axes::Exchanged => Point3::new(p.x, p.z, p.y),
-        };
-        turned * self.factor
-    }
-}
-
-impl fmt::Display for UnitAxes {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let axes = match self.axes {
-            Axes::Same => "",
-            Axes::ZUpToYUp => "turned from Z up to Y up, (x, y, z) to (x, z, -y)",
-            Axes::YUpToZUp => "turned from Y up to Z up, (x, y, z) to (x, -z, y)",
-            Axes::Exchanged => "with Y and Z exchanged",
-        };
-        let half_turn = if self.half_turn { "turned between LPS and RAS, (x, y, z) to (-x, -y, z)" } else { "" };
-        let factor = if self.factor == 1.0 { String::new() } else { format!("times {}", self.factor) };
-        let parts: Vec<&str> = [&*factor, half_turn, axes].into_iter().filter(|part| !part.is_empty()).collect();
-        if parts.is_empty() { f.write_str("as they are") } else { f.write_str(&parts.join(" and ")) }
-    }
-}
+const AXES: [Axes; 4] = [
+    Axes::Same,
+    Axes::Up { from: UpAxis::Z, to: UpAxis::Y },
+    Axes::Up { from: UpAxis::Y, to: UpAxis::Z },
+    Axes::Exchanged,
+];
 
 /// The unit and axes that bring `positions` to the surface, the half turn between LPS and RAS among them if `half_turns`; `None` if
 /// none do, or fewer than [`MIN_POINTS`] are given.

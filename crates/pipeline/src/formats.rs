@@ -9,6 +9,7 @@ use mimesh_core::{
     Error,
     mesh::{Mesh, MeshSequence},
     plugin,
+    spatial::MeshUnits,
     stage::{FileInput, Format, MeshWriter, ScenePoint, Selection},
 };
 use mimesh_document::diagnostic::{self, Diagnostic, Kind, Location};
@@ -44,6 +45,15 @@ impl Formats {
             }
         }
         Self { all: formats, reach }
+    }
+
+    /// Tells the formats whose files say their unit and axes those of the written mesh; `of` gives them by the format's name.
+    pub fn set_units(&mut self, of: impl Fn(&str) -> MeshUnits) {
+        for format in &mut self.all {
+            if let Some(told) = format.with_units(of(format.typetag_name())) {
+                *format = told;
+            }
+        }
     }
 
     /// All of them, with their settings.

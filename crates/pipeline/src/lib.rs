@@ -29,6 +29,7 @@ pub mod pictures;
 pub mod placeholder;
 pub mod plan;
 pub mod pose_files;
+mod pose_units;
 mod programs;
 pub mod progress;
 pub mod propose;

@@ -85,6 +85,8 @@ pub fn parse(document: &Document, required: Required, diagnostics: &mut Diagnost
         gates: slots.optional("gates").unwrap_or_default(),
         formats: slots.list("formats").unwrap_or_default(),
         output: slots.required("output").unwrap_or_default(),
+        output_unit: slots.optional("output_unit"),
+        output_up: slots.optional("output_up"),
     };
     let open = Open::of(document, &slots.suggested);
     Parsed { pipeline, rejected: slots.rejected, open }

@@ -2,8 +2,10 @@
 
 use std::{collections::BTreeMap, path::PathBuf};
 
+pub use mimesh_core::spatial::UpAxis as Up;
 use mimesh_core::{
     mesh::PosesAre,
+    spatial::LengthUnit,
     stage::{Correspondence, Format, Generator, KeyPoints, Metric, Proximity, Transfer},
 };
 use schemars::JsonSchema;
@@ -98,6 +100,14 @@ pub struct Pipeline {
     /// A `.html` is a report to look at, with verdicts, pictures and curves; a `.png` a sheet of pictures of all poses.
     #[schemars(extend("examples" = [["out/camel-{pose}.obj", "out/camel.glb", "out/report.html"]]))]
     pub output: OneOrMany,
+    /// The unit of results in files of bare numbers, such as OBJ; left out, that of the target.
+    ///
+    /// It needs the unit of the target. Files that say their unit, as glTF and USD, are right without it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub output_unit: Option<LengthUnit>,
+    /// The axis that points up in results in files of bare numbers, such as OBJ; left out, that of the target.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub output_up: Option<Up>,
 }
 
 /// The mesh that gives its motion: files, or a generator.
@@ -125,6 +135,18 @@ pub struct Source {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("examples" = ["horse-??.obj", { "clip": "Run", "fps": 24 }]))]
     pub poses: Option<Poses>,
+    /// The unit of the rest; left out, what its format says: metres for glTF and FBX. Only `poses_unit` asks for it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub unit: Option<LengthUnit>,
+    /// The axis that points up in the rest; left out, what its format says: Y for glTF and FBX. Only `poses_up` asks for it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub up: Option<Up>,
+    /// The unit of files of poses that are in another one than the rest; they are taken into that of the rest first.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub poses_unit: Option<LengthUnit>,
+    /// The axis that points up in files of poses, where it is another one than in the rest; they are turned first.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub poses_up: Option<Up>,
     /// Whether the poses are `shapes` that stand alone, or `frames` of one motion.
     ///
     /// Shapes are not played as an animation nor judged as a motion, and vertices that rest in a shape of the source rest in that of
@@ -174,6 +196,14 @@ pub struct Target {
     /// Left out, a target with the polygons of the source opens where the source does, and another opens nowhere.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub opened_seams: Option<Vec<SeamPoint>>,
+    /// The unit of its numbers; left out, what its format says: metres for glTF and FBX.
+    ///
+    /// Results that say their unit, as glTF and USD, then say the right one. `output_unit` converts others.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub unit: Option<LengthUnit>,
+    /// The axis that points up in it; left out, what its format says: Y for glTF and FBX.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub up: Option<Up>,
     /// Made instead of read; its poses are the truth.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub generator: Option<Box<dyn Generator>>,
@@ -210,17 +240,4 @@ pub enum ViewFrom {
     Side,
     /// From above.
     Top,
-}
-
-/// The axis that points up.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Up {
-    /// As in glTF, Maya and most files of faces and bodies.
-    #[default]
-    Y,
-    /// As in Blender, Unreal and CAD.
-    Z,
-    /// Seldom.
-    X,
 }

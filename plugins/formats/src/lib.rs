@@ -33,7 +33,8 @@ mod stl;
 mod usd;
 
 pub use fbx::Fbx;
-pub use gltf::{Glb, Gltf, LengthUnit, PoseAnimation, UpAxis};
+pub use gltf::{Glb, Gltf, PoseAnimation};
+pub use mimesh_core::spatial::{LengthUnit, UpAxis};
 pub use obj::Obj;
 pub use off::Off;
 pub use ply::{Encoding, Ply, Precision};

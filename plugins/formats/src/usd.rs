@@ -10,13 +10,12 @@ use mimesh_core::{
     mesh::{ClipTime, CornerAttribute, Mesh, MeshSequence},
     plugin::check_ranges,
     register,
+    spatial::{LengthUnit, MeshUnits, UpAxis},
     stage::{FileInput, Format, MeshWriter, Selection, SequenceFormat, SequenceWriter, WriteError},
 };
 use nalgebra::Point3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-
-use crate::gltf::{LengthUnit, UpAxis};
 
 register!(Format: Usda);
 
@@ -31,7 +30,7 @@ pub struct Usda {
     pub frames_per_second: f64,
     /// The unit of the target mesh, which the file names.
     pub unit: LengthUnit,
-    /// The upward axis of the target mesh, which the file names.
+    /// The upward axis of the target mesh, which the file names: Y or Z.
     pub up: UpAxis,
 }
 
@@ -58,12 +57,21 @@ impl Format for Usda {
     fn writer(&self) -> Option<MeshWriter<'_>> {
         Some(MeshWriter::Sequence(self))
     }
+
+    fn with_units(&self, units: MeshUnits) -> Option<Box<dyn Format>> {
+        let (unit, up) = (units.unit.unwrap_or(self.unit), units.up.unwrap_or(self.up));
+        Some(Box::new(Self { unit, up, ..self.clone() }))
+    }
 }
 
 impl SequenceFormat for Usda {
     fn start(&self, mesh: &Mesh) -> Result<Box<dyn SequenceWriter>, WriteError> {
         check_ranges(self)?;
         mesh.validate()?;
+        if self.up == UpAxis::X {
+            let hint = "write .glb, or turn the target to Y or Z up";
+            return Err(Error::data("a USD has Y or Z up, and the target has X up", hint).into());
+        }
         let mut still = Vec::new();
         write_mesh(&mut still, mesh)?;
         Ok(Box::new(Writer {
@@ -134,12 +142,12 @@ impl SequenceWriter for Writer {
     fn finish(self: Box<Self>, out: &mut dyn Write) -> Result<(), WriteError> {
         let mut spool = self.spool.into_inner().map_err(io::IntoInnerError::into_error)?;
         let Usda { frames_per_second: rate, unit, up } = self.settings;
-        let up = match up {
-            UpAxis::Y => "Y",
-            UpAxis::Z => "Z",
-        };
         writeln!(out, "#usda 1.0\n(\n    defaultPrim = \"target\"\n    metersPerUnit = {}", unit.metres())?;
-        writeln!(out, "    upAxis = \"{up}\"\n    timeCodesPerSecond = {rate}\n    framesPerSecond = {rate}")?;
+        writeln!(
+            out,
+            "    upAxis = \"{}\"\n    timeCodesPerSecond = {rate}\n    framesPerSecond = {rate}",
+            up.name().to_uppercase()
+        )?;
         if let Some(last) = self.last {
             writeln!(out, "    startTimeCode = {}\n    endTimeCode = {}", rounded(self.first), rounded(last))?;
         }

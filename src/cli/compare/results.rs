@@ -7,6 +7,7 @@ use std::{
 
 use mimesh_core::{
     mesh::{Mesh, MeshSequence, Pose, Surface},
+    spatial::{MeshUnits, UnitAxes},
     stage::{Generator, PoseChoice, RestShape, Selection},
 };
 use mimesh_pipeline::{
@@ -19,6 +20,7 @@ use mimesh_pipeline::{
     spec::Target,
 };
 use nalgebra::Point3;
+use serde_json::Value;
 
 use crate::cli::compare::written_files::WrittenFiles;
 
@@ -62,15 +64,35 @@ pub fn read_results(
                     Some((pose, sequence.poses.iter().find(|held| held.name == *name)?))
                 })
                 .collect();
+            let change = back_to_target(report, formats, path);
             let posed = |(pose, held): &(&PoseReport, &Pose)| PosedResult {
                 name: pose.name.clone(),
-                mesh: Mesh { positions: held.positions.get().into_owned(), ..sequence.rest.clone() },
+                mesh: Mesh { positions: changed(change, &held.positions.get()), ..sequence.rest.clone() },
             };
             let shown = evenly_spaced(results.len(), max_poses);
             return Ok(shown.into_iter().map(|i| posed(&results[i])).collect());
         }
     }
     Err("its results are not where they were written".into())
+}
+
+/// The change that takes results in `file` back into the unit and axes of the target.
+fn back_to_target(report: &Report, formats: &Formats, file: &Path) -> UnitAxes {
+    if formats.writer(file).is_ok_and(|(format, _)| format.with_units(MeshUnits::default()).is_some()) {
+        return UnitAxes::IDENTITY;
+    }
+    let units = |of: &Value, unit: &str, up: &str| MeshUnits {
+        unit: serde_json::from_value(of[unit].clone()).ok(),
+        up: serde_json::from_value(of[up].clone()).ok(),
+    };
+    let target = inputs_of_role(report, "target rest").next().and_then(|target| formats.reader(target).ok());
+    let read = target.map(|format| format.reads_in()).unwrap_or_default();
+    let written = units(&report.settings, "output_unit", "output_up");
+    UnitAxes::between(written, units(&report.settings["target"], "unit", "up").or(read))
+}
+
+fn changed(change: UnitAxes, positions: &[Point3<f64>]) -> Vec<Point3<f64>> {
+    positions.iter().map(|p| change.apply(p)).collect()
 }
 
 /// The part of the target's file that a run read, in its shape at rest.
@@ -98,7 +120,8 @@ fn read_pose_files(
     let read = |pose: &PoseReport| {
         let path = written.find(&PathBuf::from(with_pose(pattern, &pose.name)))?;
         let mesh = read_rest(formats, path)?;
-        Some(PosedResult { name: pose.name.clone(), mesh })
+        let positions = changed(back_to_target(report, formats, path), &mesh.positions);
+        Some(PosedResult { name: pose.name.clone(), mesh: Mesh { positions, ..mesh } })
     };
     let shown = evenly_spaced(report.poses.len(), max_poses);
     shown.into_iter().filter_map(|i| read(&report.poses[i])).collect()

@@ -6,6 +6,7 @@ use super::{FileInput, MeshWriter, Selection};
 use crate::{
     Error, Result,
     mesh::{Mesh, MeshSequence, Polygons},
+    spatial::MeshUnits,
 };
 
 /// A named node of a scene that may stand for a point of its mesh, such as an empty of Blender.
@@ -105,6 +106,17 @@ pub trait Format: Debug + Send + Sync {
 
     /// How this format writes; `None` if it only reads.
     fn writer(&self) -> Option<MeshWriter<'_>> {
+        None
+    }
+
+    /// The unit and the upward axis in which [`read`](Self::read) gives every mesh, as far as files say them.
+    fn reads_in(&self) -> MeshUnits {
+        MeshUnits::default()
+    }
+
+    /// This format for meshes in `units`, where its files say in which unit and axes they are. `None` for a format of bare numbers:
+    /// these are converted before they are written.
+    fn with_units(&self, _units: MeshUnits) -> Option<Box<dyn Format>> {
         None
     }
 }

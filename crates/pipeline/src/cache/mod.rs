@@ -7,6 +7,7 @@
 //! depend on those before, so that they are used only all together.
 
 mod codec;
+mod hashes;
 mod keys;
 mod last_run;
 mod pose_cache;

@@ -1,12 +1,14 @@
 //! Poses that files hold: morph targets, and frames of clips.
 
-use std::path::Path;
+use std::{path::Path, sync::Arc};
 
 use mimesh_core::{
-    mesh::MeshSequence,
+    mesh::{ComputePoses, MeshSequence, Pose, Positions},
+    spatial::UnitAxes,
     stage::{ClipChoice, PoseChoice, RestShape, Selection, check_pose, check_vertices},
 };
 use mimesh_document::{At, Diagnostic, Kind, Step, path};
+use nalgebra::Point3;
 
 use super::{
     findings::{Findings, Scope},
@@ -228,6 +230,31 @@ fn hold(
         false => check_pose(file, rest, read.rest.positions.len(), &read.rest.polygons)?,
     }
     let first = mesh.sequence.poses.len();
-    mesh.sequence.poses.extend(read.poses);
+    let poses =
+        read.poses.into_iter().map(|pose| Pose { positions: converted(pose.positions, mesh.poses_change), ..pose });
+    mesh.sequence.poses.extend(poses);
     Ok(held_poses(mesh, first))
+}
+
+/// Positions after a change of unit and axes; those that are computed each time are changed each time.
+fn converted(positions: Positions, change: UnitAxes) -> Positions {
+    if change == UnitAxes::IDENTITY {
+        return positions;
+    }
+    match positions {
+        Positions::Held(positions) => Positions::Held(positions.iter().map(|p| change.apply(p)).collect()),
+        computed => Positions::Computed(Arc::new(Converted { positions: computed, change }), 0),
+    }
+}
+
+/// One computed pose that is in another unit or axes than its rest.
+struct Converted {
+    positions: Positions,
+    change: UnitAxes,
+}
+
+impl ComputePoses for Converted {
+    fn positions(&self, _: usize) -> Vec<Point3<f64>> {
+        self.positions.get().iter().map(|p| self.change.apply(p)).collect()
+    }
 }

@@ -21,6 +21,7 @@ mod shape_regions;
 mod shapes;
 mod shared;
 mod stages;
+mod units;
 mod writable;
 
 pub use common::Options;

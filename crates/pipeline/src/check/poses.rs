@@ -17,11 +17,13 @@ use super::{
     held_poses::{check_times, frames, is_readable, own_clip, own_poses, poses_in},
     rest_meshes::{at_file, in_file, rest_mesh},
     seams::{self, SeamCache},
+    units,
 };
 use crate::{
     globs::{expand, is_glob, nearby},
     input::{PoseFrom, PoseInput, RestMesh, read_pose},
     pose_files::Poses,
+    pose_units::warning_of_pose_units,
     rest::Rest,
     spec::Source,
 };
@@ -44,7 +46,9 @@ pub(super) fn source(
     }
     let (mut mesh, chosen) = rest_and_clip(scope, found, source);
     let declared = source.poses.as_ref().or(chosen.as_ref());
+    let change = units::poses_change(scope, found, source);
     if let Some(mesh) = &mut mesh {
+        mesh.poses_change = change;
         mesh.selection.same_vertices = declared.is_some_and(Poses::same_vertices);
     }
     let poses = match (declared, &mut mesh) {
@@ -68,6 +72,10 @@ pub(super) fn source(
         Some(points) if !seams::open_named(scope, found, "source", &mut mesh, points) => return (None, poses, chosen),
         Some(_) => {}
         None => seams::open_parted(scope, found, &mut mesh, &poses, by),
+    }
+    if units::has_pose_files(source.poses.as_ref()) {
+        let known = units::of_source(scope, source);
+        found.warnings.extend(warning_of_pose_units(&mesh, &poses, scope.formats, known));
     }
     (Some(mesh), poses, chosen)
 }

@@ -24,6 +24,7 @@ use super::{
     shapes::shapes,
     shared::SharedMeshes,
     stages::{check_files, check_marker_count, check_stages, refused},
+    units,
     writable::{Destination, conflict, name_reports},
 };
 use crate::{
@@ -133,7 +134,10 @@ fn prepare_one(
     let files = resolve_files(&mut document);
     let mut found = Findings { inputs: files_of_pipeline.to_vec(), ..Findings::default() };
     let Parsed { mut pipeline, rejected, open } = parse(&document, Required::Run, &mut found.diagnostics);
-    let formats = Formats::new(std::mem::take(&mut pipeline.formats), options.reach(file));
+    let mut formats = Formats::new(std::mem::take(&mut pipeline.formats), options.reach(file));
+    let units =
+        units::of_target(Scope { document: &document, formats: &formats, rejected: &rejected }, &pipeline.target);
+    units::declare(&mut formats, &document, units);
     let scope = Scope { document: &document, formats: &formats, rejected: &rejected };
     let found_mut = &mut found;
     check_registry(found_mut);
@@ -189,6 +193,7 @@ fn prepare_one(
     let report = options.report.as_deref().unwrap_or("run.json");
     let poses_are = input::poses_are(pipeline.source.poses_are, &poses);
     let outputs = outputs(scope, found_mut, &pipeline, target.as_deref(), &poses, out.as_ref(), report);
+    let output_change = units::output_change(scope, found_mut, &pipeline, target.as_deref(), &outputs);
     found.diagnostics.into_result()?;
     let (Some(source), Some(target), Some(markers), Some(clicks)) = (source, target, markers, clicks) else {
         return Err(refused_without_reason().into());
@@ -223,6 +228,7 @@ fn prepare_one(
         metrics,
         gates,
         outputs,
+        output_change,
     })
 }
 

@@ -2,6 +2,7 @@
 
 mod file_hashes;
 mod ground_truth;
+mod output_change;
 mod outputs;
 mod poses;
 mod prepared;
@@ -9,6 +10,7 @@ mod rest_mesh;
 
 pub use file_hashes::{FileHashes, HashedFile};
 pub use ground_truth::GroundTruth;
+pub use output_change::OutputChange;
 pub use outputs::{Output, Outputs};
 pub use poses::{PoseFrom, PoseInput, evenly_spaced, poses_are, read_evenly_spaced, read_pose};
 pub use prepared::{InputFile, Meshes, Prepared, PreparedSource, ProximityInput};

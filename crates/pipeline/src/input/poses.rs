@@ -57,7 +57,7 @@ pub fn read_pose(source: &RestMesh, formats: &Formats, from: &PoseFrom) -> Resul
         PoseFrom::File(path) => {
             let Selection { meshes, same_vertices, .. } = &source.selection;
             let selection = Selection { meshes: meshes.clone(), same_vertices: *same_vertices, ..Selection::default() };
-            formats.read_pose(path, &selection, &source.sequence.rest)?
+            source.in_own_units(formats.read_pose(path, &selection, &source.sequence.rest)?)
         }
     };
     check_finite(&positions)?;

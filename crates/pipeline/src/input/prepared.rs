@@ -6,13 +6,14 @@ use std::{
 };
 
 use mimesh_core::{
-    mesh::PosesAre,
-    stage::{Correspondence, KeyPoints, Landmarks, Marker, Metric, ProximityGraph},
+    mesh::{Mesh, PosesAre},
+    spatial::MeshUnits,
+    stage::{Correspondence, Format, KeyPoints, Landmarks, Marker, Metric, ProximityGraph},
 };
 use mimesh_document::Document;
 use mimesh_markers::MarkerFiles;
 
-use super::{FileHashes, GroundTruth, Outputs, PoseInput, RestMesh};
+use super::{FileHashes, GroundTruth, OutputChange, Outputs, PoseInput, RestMesh};
 use crate::{
     choices::Choice, compose::Variant, formats::Formats, metrics::Gate, report::StageReport, shapes::ShapeEdit,
     spec::Pipeline,
@@ -57,6 +58,8 @@ pub struct Prepared {
     pub gates: Vec<Gate>,
     /// The files that are written.
     pub outputs: Outputs,
+    /// The change of unit and axes of results in files of bare numbers.
+    pub output_change: Option<OutputChange>,
     /// Every file that is read.
     pub inputs: Vec<InputFile>,
     /// Sizes and hashes of the inputs.
@@ -75,6 +78,16 @@ impl Prepared {
     /// Pairs of points of the two surfaces; none until a stage that proposes them has run.
     pub fn markers(&self) -> &[Marker] {
         self.markers.get().map_or(&[], Vec::as_slice)
+    }
+
+    /// The change of unit and axes of results in files of `format`, if there is one.
+    pub fn output_change(&self, format: &dyn Format) -> Option<&OutputChange> {
+        self.output_change.as_ref().filter(|_| format.with_units(MeshUnits::default()).is_none())
+    }
+
+    /// The target at rest, as files of `format` have it.
+    pub fn written_rest(&self, format: &dyn Format) -> &Mesh {
+        self.output_change(format).map_or(&self.target.sequence.rest, OutputChange::rest)
     }
 
     /// The stage that proposes the markers, if there is one.

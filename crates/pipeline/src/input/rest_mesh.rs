@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use mimesh_core::{
     Error,
     mesh::{Mesh, MeshSequence, Seams, Surface, Welding, inward_components},
+    spatial::UnitAxes,
     stage::Selection,
 };
 use nalgebra::Point3;
@@ -28,6 +29,8 @@ pub struct RestMesh {
     mirror_image: Option<(Axis, Surface)>,
     /// How its seams are welded.
     pub welding: Welding,
+    /// The change that takes files of poses into the unit and axes of the mesh.
+    pub poses_change: UnitAxes,
     /// The mesh as its file has it at rest, with its surface, where a pose serves as the rest. Points in files of markers lie on it.
     pub of_file: Option<(Mesh, Surface)>,
 }
@@ -54,7 +57,17 @@ impl RestMesh {
             let shape = if diagonal == 0.0 { "all vertices lie on one point" } else { "all vertices lie on a line" };
             return Err(Error::data(format!("the mesh has no area: {shape}"), "export the mesh again with its shape"));
         }
-        Ok(Self { path, selection, surface, sequence, inward_components, mirror_image: None, welding, of_file: None })
+        Ok(Self {
+            path,
+            selection,
+            surface,
+            sequence,
+            inward_components,
+            mirror_image: None,
+            welding,
+            poses_change: UnitAxes::IDENTITY,
+            of_file: None,
+        })
     }
 
     /// The mesh with the pose at `positions` (#V of the file) as its rest.
@@ -63,10 +76,10 @@ impl RestMesh {
     ///
     /// Those of [`new`](Self::new).
     pub fn resting_at(self, positions: Vec<Point3<f64>>) -> Result<Self, Error> {
-        let Self { path, selection, mut sequence, surface, welding, .. } = self;
+        let Self { path, selection, mut sequence, surface, welding, poses_change, .. } = self;
         let posed = Mesh { positions, ..sequence.rest.clone() };
         let at_rest = std::mem::replace(&mut sequence.rest, posed);
-        Ok(Self { of_file: Some((at_rest, surface)), ..Self::new(path, selection, sequence, welding)? })
+        Ok(Self { poses_change, of_file: Some((at_rest, surface)), ..Self::new(path, selection, sequence, welding)? })
     }
 
     /// The seams of the mesh, opened or not.
@@ -118,6 +131,14 @@ impl RestMesh {
     /// The surface as stages see it: its mirror image, if that is to be.
     pub fn seen_surface(&self) -> &Surface {
         self.mirror_image.as_ref().map_or(&self.surface, |(_, image)| image)
+    }
+
+    /// The positions of a pose as its file has them (#V × 3), in the unit and axes of the mesh.
+    pub fn in_own_units(&self, mut positions: Vec<Point3<f64>>) -> Vec<Point3<f64>> {
+        if self.poses_change != UnitAxes::IDENTITY {
+            positions.iter_mut().for_each(|p| *p = self.poses_change.apply(p));
+        }
+        positions
     }
 
     /// Positions of the surface as stages see it, from those of the file's, or the other way round.

@@ -1,6 +1,7 @@
 //! Running a prepared pipeline: stages once, poses in a stream, results written together at the end.
 
 mod execute;
+mod files;
 mod measure;
 mod poses;
 mod shapes;

@@ -1,11 +1,11 @@
 //! The poses of a run: read, transferred, measured and written in a stream, so that memory does not grow with their number.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use mimesh_core::{
     Error, Result,
     mesh::{PosesAre, check_finite},
-    stage::{BoundTransfer, MeshWriter, Motion, SequenceWriter, Transferred, WriteError},
+    stage::{BoundTransfer, Motion, Transferred},
 };
 use mimesh_document::{Diagnostic, Kind, Location, diagnostic};
 use mimesh_markers::IntoDiagnostic;
@@ -13,16 +13,17 @@ use nalgebra::Point3;
 use rayon::prelude::*;
 
 use super::{
+    files::{SequenceFile, pose_files, warnings_of_pose_files},
     measure::{Measurer, PosedPose},
     shapes::Shapes,
     stages::Stages,
 };
 use crate::{
     cache::PosedTarget,
-    input::{Output, PoseFrom, PoseInput, Prepared, read_pose},
+    input::{PoseFrom, PoseInput, Prepared, read_pose},
     progress::Progress,
     report::PoseReport,
-    staging::{self, Staged},
+    staging::Staged,
 };
 
 /// Poses under way for each thread: enough that none waits for the slowest of a chunk for long.
@@ -75,7 +76,7 @@ impl<'a> PoseRunner<'a> {
     /// If a result cannot be written, or the transfer cannot be bound; poses that fail on their own are in the result.
     pub fn stream(&self) -> diagnostic::Result<Stream> {
         let mut stream = Stream::default();
-        let mut sequences = self.sequences().map_err(IntoDiagnostic::into_diagnostic)?;
+        let mut sequences = SequenceFile::all(self.prepared).map_err(IntoDiagnostic::into_diagnostic)?;
         let chunk = rayon::current_num_threads() * POSES_PER_THREAD;
         let poses: Vec<Numbered<'_>> = self.prepared.poses.iter().enumerate().collect();
         let mut motion = None;
@@ -89,9 +90,8 @@ impl<'a> PoseRunner<'a> {
             for ((_, pose), output) in chunk.iter().zip(outputs) {
                 let diagnostic = match output {
                     Ok(output) => {
-                        for (path, writer) in &mut sequences {
-                            let added = writer.add(&pose.name, pose.time.as_ref(), &output.posed.target.positions);
-                            added.map_err(|error| write_error(path, error).into_diagnostic())?;
+                        for sequence in &mut sequences {
+                            sequence.add(pose, &output.posed.target.positions)?;
                         }
                         stream.add(pose, output);
                         continue;
@@ -108,54 +108,15 @@ impl<'a> PoseRunner<'a> {
             }
             posed.drain(..posed.len().saturating_sub(2));
         }
-        stream.warnings.extend(self.warnings_of_files());
+        stream.warnings.extend(warnings_of_pose_files(self.prepared));
         if stream.failed.len() < stream.poses.len() {
-            for (path, writer) in sequences {
-                stream
-                    .warnings
-                    .extend(writer.warnings().iter().map(|warning| format!("{}: {warning}", path.display())));
-                let renamed = writer.renamed().to_vec();
-                let finished =
-                    staging::stage(&path, |out| writer.finish(out).map_err(|error| write_error(&path, error)));
-                let mut finished = finished?;
-                finished.set_renamed(&renamed);
-                stream.files.push(finished);
+            for sequence in sequences {
+                let (file, warnings) = sequence.finish()?;
+                stream.files.push(file);
+                stream.warnings.extend(warnings);
             }
         }
         Ok(stream)
-    }
-
-    /// Sentences about what files of one pose each do not keep, once for all poses.
-    fn warnings_of_files(&self) -> Vec<String> {
-        let mut warnings = Vec::new();
-        for output in &self.prepared.outputs.meshes {
-            if let Output::Poses(paths) = output
-                && let Some(path) = paths.first()
-                && let Ok((format, _)) = self.prepared.formats.writer(path)
-                && let Some(MeshWriter::Pose(writer)) = format.writer()
-            {
-                let found = writer.warnings(folder_of(path), &self.prepared.target.sequence.rest);
-                warnings.extend(found.iter().map(|warning| format!("{}: {warning}", path.display())));
-            }
-        }
-        warnings
-    }
-
-    /// A writer for each file that takes all poses.
-    fn sequences(&self) -> Result<Vec<(PathBuf, Box<dyn SequenceWriter + 'a>)>> {
-        let mut writers = Vec::new();
-        for output in &self.prepared.outputs.meshes {
-            let Output::Sequence(path) = output else { continue };
-            if let Ok((format, _)) = self.prepared.formats.writer(path)
-                && let Some(MeshWriter::Sequence(sequence)) = format.writer()
-            {
-                let rest = &self.prepared.target.sequence.rest;
-                let mut writer = sequence.start(rest).map_err(|error| write_error(path, error))?;
-                writer.set_poses_are(self.prepared.poses_are);
-                writers.push((path.clone(), writer));
-            }
-        }
-        Ok(writers)
     }
 
     /// The poses of a chunk, transferred or taken from the cache.
@@ -303,26 +264,7 @@ impl<'a> PoseRunner<'a> {
         let figures = this.target.figures.clone();
         let mut report = PoseReport { name: pose.name.clone(), reused: this.reused, figures, ..PoseReport::default() };
         self.measurer.measure(i, this, before, self.stages.pose_cache(), &mut report);
-        self.write(i, &this.target.positions).map(|files| PoseOutput { posed: this, report, files })
-    }
-
-    /// The files of one pose.
-    fn write(&self, i: usize, positions: &[Point3<f64>]) -> PoseResult<Vec<Staged>> {
-        let mut files = Vec::new();
-        for output in &self.prepared.outputs.meshes {
-            let Output::Poses(paths) = output else { continue };
-            let path = &paths[i];
-            if let Ok((format, _)) = self.prepared.formats.writer(path)
-                && let Some(MeshWriter::Pose(writer)) = format.writer()
-            {
-                let rest = &self.prepared.target.sequence.rest;
-                let write = |out: &mut dyn std::io::Write| {
-                    writer.write_in(folder_of(path), rest, positions, out).map_err(|error| write_error(path, error))
-                };
-                files.push(staging::stage(path, write).map_err(cannot_write)?);
-            }
-        }
-        Ok(files)
+        pose_files(self.prepared, i, &this.target.positions).map(|files| PoseOutput { posed: this, report, files })
     }
 }
 
@@ -356,27 +298,6 @@ fn posed_target(
         Error::data(format!("result: {error}"), hint)
     })?;
     Ok(PosedTarget { positions, figures: transferred.figures })
-}
-
-/// The folder of a file.
-fn folder_of(path: &Path) -> &Path {
-    path.parent().unwrap_or(Path::new(""))
-}
-
-/// The error of writing `path`.
-fn write_error(path: &Path, error: WriteError) -> Error {
-    match error {
-        WriteError::Io(error) => Error::write(path, error),
-        WriteError::Mesh(Error::Data { message, hint }) => {
-            Error::file(path, format!("cannot be written: {message}"), hint)
-        }
-        WriteError::Mesh(error) => error,
-    }
-}
-
-/// An error of writing ends the run, so it is no fault of the pose.
-fn cannot_write(diagnostic: Diagnostic) -> Diagnostic {
-    Diagnostic { kind: Kind::CannotWrite, ..diagnostic }
 }
 
 /// The diagnostic of an error about the pose `name`, at its file if it has one; `doing` is the action that failed.

@@ -22,6 +22,7 @@ use mimesh_core::{
     Result,
     mesh::MeshSequence,
     register,
+    spatial::MeshUnits,
     stage::{FileInput, Format, Selection},
 };
 use schemars::JsonSchema;
@@ -44,6 +45,10 @@ impl Format for Fbx {
 
     fn read(&self, input: &dyn FileInput, selection: &Selection) -> Result<MeshSequence> {
         reader::read(input, selection)
+    }
+
+    fn reads_in(&self) -> MeshUnits {
+        MeshUnits::METRES_Y_UP
     }
 
     fn holds_poses(&self) -> bool {

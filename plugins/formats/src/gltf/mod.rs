@@ -17,12 +17,13 @@ use mimesh_core::{
     mesh::{Mesh, MeshSequence},
     plugin::check_ranges,
     register,
+    spatial::{LengthUnit, MeshUnits, UpAxis},
     stage::{FileInput, Format, MeshWriter, ScenePoint, Selection, SequenceFormat, SequenceWriter, WriteError},
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-pub use write::{LengthUnit, PoseAnimation, UpAxis};
+pub use write::PoseAnimation;
 
 use read::Asset;
 use write::{Options, size, start};
@@ -132,6 +133,15 @@ impl Format for Glb {
     fn writer(&self) -> Option<MeshWriter<'_>> {
         Some(MeshWriter::Sequence(self))
     }
+
+    fn reads_in(&self) -> MeshUnits {
+        MeshUnits::METRES_Y_UP
+    }
+
+    fn with_units(&self, units: MeshUnits) -> Option<Box<dyn Format>> {
+        let (unit, up) = (units.unit.unwrap_or(self.unit), units.up.unwrap_or(self.up));
+        Some(Box::new(Self { unit, up, ..self.clone() }))
+    }
 }
 
 impl SequenceFormat for Glb {
@@ -180,6 +190,15 @@ impl Format for Gltf {
 
     fn writer(&self) -> Option<MeshWriter<'_>> {
         Some(MeshWriter::Sequence(self))
+    }
+
+    fn reads_in(&self) -> MeshUnits {
+        MeshUnits::METRES_Y_UP
+    }
+
+    fn with_units(&self, units: MeshUnits) -> Option<Box<dyn Format>> {
+        let (unit, up) = (units.unit.unwrap_or(self.unit), units.up.unwrap_or(self.up));
+        Some(Box::new(Self { unit, up, ..self.clone() }))
     }
 }
 

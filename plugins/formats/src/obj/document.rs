@@ -1,4 +1,4 @@
-use std::{fmt, ops::Range, path::Path, sync::OnceLock};
+use std::{borrow::Cow, fmt, ops::Range, path::Path, sync::OnceLock};
 
 use mimesh_core::mesh::Mesh;
 use nalgebra::Point3;
@@ -54,7 +54,8 @@ impl ObjDocument {
 
     /// The file with `positions` (#V × 3) on its `v` lines, and with normals turned along if `turn_normals`.
     ///
-    /// Numbers that have not changed stay byte for byte. Material libraries are named as from `folder`, if that is given.
+    /// `mesh` may be the mesh of the file in another unit and axes, as `positions` are then. Numbers that have not changed stay byte for
+    /// byte. Material libraries are named as from `folder`, if that is given.
     pub fn with_positions(
         &self,
         folder: Option<&Path>,
@@ -63,12 +64,13 @@ impl ObjDocument {
         turn_normals: bool,
     ) -> Vec<u8> {
         let normals = if turn_normals && !self.normals.is_empty() && positions != self.positions {
-            let posed = self.posed_normals.get_or_init(|| PosedNormals::new(mesh, &self.positions));
+            let posed = self.posed_normals.get_or_init(|| PosedNormals::new(&self.as_read(mesh), &self.positions));
             posed.of_values(mesh, positions)
         } else {
-            self.normals.clone()
+            let of_mesh = mesh.normals.as_ref().map(|normals| &normals.values);
+            of_mesh.filter(|values| values.len() == self.normals.len()).unwrap_or(&self.normals).clone()
         };
-        let extent = mesh.diagonal_of(positions).max(mesh.diagonal_of(&self.positions));
+        let extent = mesh.diagonal_of(positions).max(mesh.diagonal());
         let position_decimals = Decimals::for_positions(extent, self.layout.position_decimals);
         let normal_decimals = Decimals::fixed(self.layout.normal_decimals.max(4));
 
@@ -93,6 +95,18 @@ impl ObjDocument {
         }
         write_others(&mut patch, usize::MAX);
         patch.finish()
+    }
+
+    /// `mesh` with the numbers of the file.
+    fn as_read<'a>(&self, mesh: &'a Mesh) -> Cow<'a, Mesh> {
+        if mesh.positions == self.positions {
+            return Cow::Borrowed(mesh);
+        }
+        let mut read = Mesh { positions: self.positions.clone(), ..mesh.clone() };
+        if let Some(normals) = read.normals.as_mut().filter(|normals| normals.values.len() == self.normals.len()) {
+            normals.values.clone_from(&self.normals);
+        }
+        Cow::Owned(read)
     }
 }
 

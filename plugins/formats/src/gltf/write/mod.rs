@@ -16,7 +16,7 @@ use mimesh_core::{
     stage::{SequenceWriter, WriteError},
 };
 
-pub use options::{LengthUnit, Options, PoseAnimation, UpAxis};
+pub use options::{Options, PoseAnimation};
 use patch::PatchWriter;
 use writer::Writer;
 

@@ -1,5 +1,6 @@
 //! The settings with which a glTF is written.
 
+use mimesh_core::spatial::{LengthUnit, MeshUnits, UnitAxes, UpAxis};
 use nalgebra::Vector3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -37,66 +38,22 @@ pub enum PoseAnimation {
     ClipTimes,
 }
 
-/// A unit of length.
-#[derive(Clone, Copy, Debug, Default, Deserialize, Eq, JsonSchema, PartialEq, Serialize)]
-pub enum LengthUnit {
-    /// Metre.
-    #[default]
-    #[serde(rename = "m")]
-    Metre,
-    /// Centimetre.
-    #[serde(rename = "cm")]
-    Centimetre,
-    /// Millimetre.
-    #[serde(rename = "mm")]
-    Millimetre,
-    /// Inch, 0.0254 m.
-    #[serde(rename = "in")]
-    Inch,
-    /// Foot, 0.3048 m.
-    #[serde(rename = "ft")]
-    Foot,
-}
-
-impl LengthUnit {
-    /// The length in metres.
-    pub fn metres(self) -> f64 {
-        match self {
-            Self::Metre => 1.0,
-            Self::Centimetre => 0.01,
-            Self::Millimetre => 0.001,
-            Self::Inch => 0.0254,
-            Self::Foot => 0.3048,
-        }
-    }
-}
-
-/// An upward axis.
-#[derive(Clone, Copy, Debug, Default, Deserialize, Eq, JsonSchema, PartialEq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum UpAxis {
-    /// Y, as in glTF.
-    #[default]
-    Y,
-    /// Z; the mesh is turned about X.
-    Z,
-}
-
 impl Options {
     /// The properties that place a node so that stored positions + `offset`, in unit and axes of the mesh, are in metres, Y up.
     pub fn node_transform(&self, offset: Vector3<f64>) -> Value {
         let mut node = json!({});
         let scale = self.unit.metres();
-        let turned = match self.up {
-            UpAxis::Y => offset,
-            UpAxis::Z => Vector3::new(offset.x, offset.z, -offset.y),
-        };
+        let up = MeshUnits { unit: None, up: Some(self.up) };
+        let turned = UnitAxes::between(up, MeshUnits::METRES_Y_UP).turn(&offset);
         if offset != Vector3::zeros() {
             node["translation"] = json!(<[f64; 3]>::from(turned * scale));
         }
-        if self.up == UpAxis::Z {
-            let half = 0.5_f64.sqrt();
-            node["rotation"] = json!([-half, 0.0, 0.0, half]);
+        let half = 0.5_f64.sqrt();
+        match self.up {
+            UpAxis::Y => {}
+            UpAxis::Z => node["rotation"] = json!([-half, 0.0, 0.0, half]),
+            // A third of a turn about (1, 1, 1).
+            UpAxis::X => node["rotation"] = json!([0.5, 0.5, 0.5, 0.5]),
         }
         if scale != 1.0 {
             node["scale"] = json!([scale, scale, scale]);
