@@ -1,5 +1,7 @@
 use nalgebra_sparse::{CooMatrix, CscMatrix};
 
+use super::OuterSum;
+
 /// Sums small dense blocks into a sparse symmetric matrix, of which it keeps the lower triangle.
 #[derive(Clone, Debug)]
 pub struct Assembly {
@@ -36,6 +38,12 @@ impl Assembly {
     /// The lower triangle, duplicates summed.
     pub fn finish(self) -> CscMatrix<f64> {
         CscMatrix::from(&self.lower)
+    }
+}
+
+impl OuterSum for Assembly {
+    fn add_outer<const K: usize>(&mut self, indices: &[u32], rows: &[[f64; K]], weight: f64) {
+        Self::add_outer(self, indices, rows, weight);
     }
 }
 

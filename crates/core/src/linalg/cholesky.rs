@@ -209,7 +209,7 @@ impl Cholesky {
             }
         };
         if !factored {
-            return Err(self.singular());
+            return Err(singular(self.what));
         }
         // A semi-definite matrix may leave a pivot of rounding instead of none.
         let smallest = 16.0 * f64::EPSILON * (self.size() as f64).sqrt();
@@ -218,14 +218,7 @@ impl Cholesky {
         if self.pivots().into_iter().all(|(j, pivot)| pivot > smallest * values[starts[j]]) {
             Ok(())
         } else {
-            Err(self.singular())
-        }
-    }
-
-    fn singular(&self) -> Error {
-        Error::Singular {
-            what: self.what,
-            hint: "look for parts of the mesh without area or without any tie to the rest".into(),
+            Err(singular(self.what))
         }
     }
 
@@ -270,6 +263,11 @@ impl fmt::Debug for Cholesky {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "Cholesky({}: n = {}, {} entries)", self.what, self.size(), self.factor.len())
     }
+}
+
+/// The error of a matrix that is not positive definite.
+pub(super) fn singular(what: &'static str) -> Error {
+    Error::Singular { what, hint: "look for parts of the mesh without area or without any tie to the rest".into() }
 }
 
 /// The same arrays as faer sees them; no copy.

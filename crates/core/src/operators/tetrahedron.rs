@@ -1,6 +1,6 @@
 use nalgebra::{Matrix3, Point3};
 
-use crate::linalg::Assembly;
+use crate::linalg::OuterSum;
 
 /// A tetrahedron over four unknown points with a constant deformation gradient F = Σ xᵢ gᵢᵀ.
 ///
@@ -36,7 +36,7 @@ impl Tetrahedron {
     }
 
     /// Adds weight ‖F − target‖² to the quadratic energy xᵀ A x − 2 bᵀ x of n unknowns; `rhs` is b, n × 3 by columns.
-    pub fn add_target(&self, target: &Matrix3<f64>, weight: f64, assembly: &mut Assembly, rhs: &mut [f64]) {
+    pub fn add_target(&self, target: &Matrix3<f64>, weight: f64, assembly: &mut impl OuterSum, rhs: &mut [f64]) {
         assembly.add_outer(&self.unknowns, &self.gradient, weight);
         self.add_target_rhs(target, weight, rhs);
     }
@@ -52,7 +52,7 @@ impl Tetrahedron {
     }
 
     /// Adds weight ‖F − F_other‖² to a quadratic energy.
-    pub fn add_smoothness(&self, other: &Self, weight: f64, assembly: &mut Assembly) {
+    pub fn add_smoothness(&self, other: &Self, weight: f64, assembly: &mut impl OuterSum) {
         let indices: [u32; 8] = std::array::from_fn(|k| if k < 4 { self.unknowns[k] } else { other.unknowns[k - 4] });
         let rows: [[f64; 3]; 8] =
             std::array::from_fn(|k| if k < 4 { self.gradient[k] } else { other.gradient[k - 4].map(|x| -x) });
