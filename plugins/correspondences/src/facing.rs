@@ -56,7 +56,22 @@ impl Facing {
 
     /// The closest valid point nearer than `limit`.
     pub fn find(&self, point: &Point3<f64>, normal: &Vector3<f64>, limit: f64) -> Option<OnSurface> {
-        let found = self.search.find(point, limit, |t| self.faces(t, normal));
+        self.find_near(point, normal, limit, None)
+    }
+
+    /// What [`find`](Self::find) gives, sooner where `guess` is a triangle near by.
+    fn find_near(
+        &self,
+        point: &Point3<f64>,
+        normal: &Vector3<f64>,
+        limit: f64,
+        guess: Option<u32>,
+    ) -> Option<OnSurface> {
+        let faces = |t| self.faces(t, normal);
+        let found = match guess.filter(|&t| faces(t)) {
+            Some(guess) => self.search.find_near(point, limit, guess, faces),
+            None => self.search.find(point, limit, faces),
+        };
         let distance = found.map_or(limit, |found| found.distance);
         if distance <= self.coincident {
             return found;
@@ -82,21 +97,48 @@ impl Facing {
     }
 
     /// For each vertex the closest valid point of the source nearer than `limit`.
-    pub fn points(&self, positions: &[Point3<f64>], normals: &[Vector3<f64>], limit: f64) -> Vec<Option<SurfacePoint>> {
-        let find = |(p, n)| self.find(p, n, limit).map(|f| SurfacePoint::Triangle(f.triangle, f.barycentric));
-        (positions, normals).into_par_iter().map(find).collect()
+    ///
+    /// `guesses` are points that are likely near, or empty; they only save time.
+    pub fn points(
+        &self,
+        positions: &[Point3<f64>],
+        normals: &[Vector3<f64>],
+        limit: f64,
+        guesses: &[Option<SurfacePoint>],
+    ) -> Vec<Option<SurfacePoint>> {
+        let find = |(v, (point, normal))| {
+            let found = self.find_near(point, normal, limit, triangle_of(guesses, v))?;
+            Some(SurfacePoint::Triangle(found.triangle, found.barycentric))
+        };
+        (positions, normals).into_par_iter().enumerate().map(find).collect()
     }
 
     /// For each triangle the source triangle with the closest valid point to its barycentre nearer than `limit`.
     ///
-    /// Zhou et al. 2010 compare barycentres with barycentres, which misses large triangles.
-    pub fn triangles(&self, positions: &[Point3<f64>], triangles: &[[u32; 3]], limit: f64) -> Vec<Option<u32>> {
+    /// `guesses` are points of vertices that are likely near, or empty; they only save time. Zhou et al. 2010 compare barycentres
+    /// with barycentres, which misses large triangles.
+    pub fn triangles(
+        &self,
+        positions: &[Point3<f64>],
+        triangles: &[[u32; 3]],
+        limit: f64,
+        guesses: &[Option<SurfacePoint>],
+    ) -> Vec<Option<u32>> {
         let find = |t: &[u32; 3]| {
             let corners = t.map(|v| positions[v as usize]);
             let barycentre = Point3::from((corners[0].coords + corners[1].coords + corners[2].coords) / 3.0);
-            self.find(&barycentre, &normal(&corners), limit).map(|found| found.triangle)
+            let guess = t.iter().find_map(|&v| triangle_of(guesses, v as usize));
+            self.find_near(&barycentre, &normal(&corners), limit, guess).map(|found| found.triangle)
         };
         triangles.par_iter().map(find).collect()
+    }
+}
+
+/// The triangle of the point of vertex `v`.
+fn triangle_of(points: &[Option<SurfacePoint>], v: usize) -> Option<u32> {
+    match points.get(v)?.as_ref()? {
+        SurfacePoint::Triangle(t, _) => Some(*t),
+        SurfacePoint::Vertex(_) => None,
     }
 }
 

@@ -46,9 +46,9 @@ impl Correspondence for Nearest {
         let facing = Facing::new(&source.positions, &source.triangles)?.with_coincident(COINCIDENT * diagonal);
         let limit = self.max_distance * diagonal;
         let normals = vertex_normals(&target.positions, &target.triangles);
-        let mut points = facing.points(&target.positions, &normals, limit);
+        let mut points = facing.points(&target.positions, &normals, limit, &[]);
         keep_sides(pair, &target.positions, &facing, limit, &mut points);
-        let triangles = facing.triangles(&target.positions, &target.triangles, limit);
+        let triangles = facing.triangles(&target.positions, &target.triangles, limit, &points);
         let mut figures = Figures::default();
         figures.set("vertices_with_a_point", points.iter().flatten().count());
         Ok(TriangleMap { source_triangle_count: source.triangle_count(), triangles, points, figures })

@@ -2,7 +2,7 @@
 
 use mimesh_core::{
     Result,
-    linalg::{Assembly, FixedUnknowns},
+    linalg::{Blocks, FixedUnknowns, OuterSum},
     mesh::{Surface, SurfacePoint},
     operators::{Tetrahedron, relative_height, voronoi_mass},
     stage::TransferPair,
@@ -43,6 +43,8 @@ pub struct EnergyWeights {
 pub struct Elements<'a> {
     surface: &'a Surface,
     elements: Vec<Option<Tetrahedron>>,
+    /// Pairs of triangles that share an edge.
+    adjacent: Vec<[u32; 2]>,
     unknowns: usize,
     mass: Vec<f64>,
 }
@@ -64,13 +66,13 @@ impl<'a> Elements<'a> {
             })
             .collect();
         let mass = voronoi_mass(rest, &surface.triangles);
-        Self { surface, elements, unknowns, mass }
+        Self { surface, elements, adjacent: surface.topology().adjacent, unknowns, mass }
     }
 
     /// The energy without closest points, ready to be minimised.
     pub fn system(&self, weights: EnergyWeights, pair: TransferPair<'_>, unit: &UnitFrame) -> Result<System> {
         let n = self.unknowns;
-        let mut assembly = Assembly::new(n);
+        let mut blocks = Blocks::new(n);
         let mut rhs = vec![0.0; 3 * n];
         let EnergyWeights { smoothness, identity, proximity, weighting, link_pairs } = weights;
         let rest = Matrix3::identity();
@@ -82,12 +84,12 @@ impl<'a> Elements<'a> {
                     Weighting::Area => n.norm() / area * REFERENCE_TRIANGLES,
                     Weighting::Uniform => 1.0,
                 };
-                element.add_target(&rest, identity * share, &mut assembly, &mut rhs);
+                element.add_target(&rest, identity * share, &mut blocks, &mut rhs);
             }
         }
-        for [a, b] in self.surface.topology().adjacent {
+        for &[a, b] in &self.adjacent {
             if let (Some(a), Some(b)) = (&self.elements[a as usize], &self.elements[b as usize]) {
-                a.add_smoothness(b, smoothness, &mut assembly);
+                a.add_smoothness(b, smoothness, &mut blocks);
             }
         }
         let links =
@@ -95,12 +97,12 @@ impl<'a> Elements<'a> {
         let links = links.unwrap_or_default();
         for (a, b, stiffness) in &links {
             let weight = stiffness * proximity;
-            a.add_smoothness(b, weight * smoothness, &mut assembly);
-            a.add_target(&rest, weight * identity, &mut assembly, &mut rhs);
-            b.add_target(&rest, weight * identity, &mut assembly, &mut rhs);
+            a.add_smoothness(b, weight * smoothness, &mut blocks);
+            a.add_target(&rest, weight * identity, &mut blocks, &mut rhs);
+            b.add_target(&rest, weight * identity, &mut blocks, &mut rhs);
         }
         for tie in ties(&unit.target, pair, &self.elements, &links, link_pairs) {
-            tie.add(&unit.target, smoothness, &mut assembly, &mut rhs);
+            tie.add(&unit.target, smoothness, &mut blocks, &mut rhs);
         }
         let mut fixed = Vec::new();
         let mut values: [Vec<f64>; 3] = Default::default();
@@ -114,14 +116,14 @@ impl<'a> Elements<'a> {
                 SurfacePoint::Triangle(triangle, barycentric) => {
                     let corners = self.surface.triangles[triangle as usize];
                     let weight = MARKER_WEIGHT * smoothness.max(identity);
-                    assembly.add_outer(&corners, &barycentric.map(|b| [b]), weight);
+                    blocks.add_outer(&corners, &barycentric.map(|b| [b]), weight);
                     for (&v, b) in corners.iter().zip(barycentric) {
                         (0..3).for_each(|c| rhs[c * n + v as usize] += weight * b * at[c]);
                     }
                 }
             }
         }
-        let system = FixedUnknowns::new(&assembly.finish(), &fixed, "the fit of the target to the markers")?;
+        let system = FixedUnknowns::for_refactoring(blocks, &fixed, "the fit of the target to the markers")?;
         let total: f64 = self.mass.iter().sum();
         let share = |mass: &f64| match weighting {
             Weighting::Area if total > 0.0 => mass / total * REFERENCE_VERTICES,
@@ -140,7 +142,7 @@ impl<'a> Elements<'a> {
     /// E_S of the last solution: Σ over adjacent triangles ‖F_a − F_b‖².
     pub fn smoothness_energy(&self, system: &System) -> f64 {
         let at = |unknown: u32, c: usize| system.x[c * self.unknowns + unknown as usize];
-        let squares = self.surface.topology().adjacent.into_iter().filter_map(|[a, b]| {
+        let squares = self.adjacent.iter().filter_map(|&[a, b]| {
             let (a, b) = (self.elements[a as usize].as_ref()?, self.elements[b as usize].as_ref()?);
             Some((a.deformation_gradient(at) - b.deformation_gradient(at)).norm_squared())
         });

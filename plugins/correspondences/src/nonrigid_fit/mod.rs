@@ -51,7 +51,7 @@ use serde::{Deserialize, Serialize};
 
 pub use self::weighting::Weighting;
 use self::{
-    elements::{Elements, EnergyWeights},
+    elements::{Elements, EnergyWeights, System},
     patches::{Points, Settled},
     unit_frame::UnitFrame,
 };
@@ -124,11 +124,17 @@ impl Correspondence for NonrigidFit {
         let pair = self.linked(pair);
         let (source, target) = (pair.source, pair.target);
         let unit = UnitFrame::new(pair, self.orientation);
-        let mut facing = Facing::new(&unit.source, &source.triangles)?;
+        let elements = Elements::new(&unit.target, target);
+        // Neither needs the other.
+        let (facing, system) = rayon::join(
+            || Facing::new(&unit.source, &source.triangles),
+            || elements.system(self.energy_weights(), pair, &unit),
+        );
+        let (mut facing, system) = (facing?, system?);
         if target.components().count() > 1 {
             facing = facing.with_inner_sides(self.inner_depth);
         }
-        let (fit, mut points, mut figures) = self.fit(pair, &unit, &facing)?;
+        let (fit, mut points, mut figures) = self.fit(pair, &unit, &facing, &elements, system)?;
         let mut valid: Vec<bool> = points.iter().map(Option::is_some).collect();
         for marker in pair.markers {
             marker.target.corners(target).iter().for_each(|&(v, _)| valid[v as usize] = true);
@@ -136,7 +142,7 @@ impl Correspondence for NonrigidFit {
                 points[vertex as usize] = Some(marker.source);
             }
         }
-        let mut triangles = facing.triangles(&fit, &target.triangles, f64::INFINITY);
+        let mut triangles = facing.triangles(&fit, &target.triangles, f64::INFINITY, &points);
         for (partner, t) in triangles.iter_mut().zip(&target.triangles) {
             *partner = partner.filter(|_| t.iter().any(|&v| valid[v as usize]));
         }
@@ -169,21 +175,24 @@ impl NonrigidFit {
         pair: TransferPair<'_>,
         unit: &UnitFrame,
         facing: &Facing,
+        elements: &Elements<'_>,
+        mut system: System,
     ) -> Result<(Vec<Point3<f64>>, Points, Figures)> {
         let triangles = &pair.target.triangles;
-        let elements = Elements::new(&unit.target, pair.target);
-        let NonrigidFit { smoothness, identity, proximity, weighting, link_pairs, .. } = *self;
-        let weights = EnergyWeights { smoothness, identity, proximity, weighting, link_pairs };
-        let mut system = elements.system(weights, pair, unit)?;
         let mut fit = system.solve(&[]);
-        let found = |fit: &[Point3<f64>]| facing.points(fit, &vertex_normals(fit, triangles), self.max_distance);
+        let find = |fit: &[Point3<f64>], guesses: &[Option<SurfacePoint>]| {
+            facing.points(fit, &vertex_normals(fit, triangles), self.max_distance, guesses)
+        };
         let place = |point: &SurfacePoint| point.position(pair.source, &unit.source);
+        let mut points = Points::new();
         for step in 0..self.steps {
-            let goals: Vec<_> = found(&fit).iter().map(|point| point.as_ref().map(place)).collect();
+            // Vertices move little from step to step.
+            points = find(&fit, &points);
+            let goals: Vec<_> = points.iter().map(|point| point.as_ref().map(place)).collect();
             system.add_targets(self.closest_weight(step), &goals)?;
             fit = system.solve(&goals);
         }
-        let mut points = found(&fit);
+        points = find(&fit, &points);
         keep_sides(pair, &fit, facing, self.max_distance, &mut points);
 
         let mut figures = Figures::default();
@@ -204,6 +213,11 @@ impl NonrigidFit {
             ));
         }
         Ok((fit, points, figures))
+    }
+
+    fn energy_weights(&self) -> EnergyWeights {
+        let NonrigidFit { smoothness, identity, proximity, weighting, link_pairs, .. } = *self;
+        EnergyWeights { smoothness, identity, proximity, weighting, link_pairs }
     }
 
     /// w_C of a step, geometrically from the first to the last.

@@ -4,7 +4,7 @@
 //! reaches across to the rest. Triangles without an element, and links between coplanar components, have none. There two vertices
 //! are tied to keep their offset at rest, with the energy weight ‖(x_j − x_i) − (r_j − r_i)‖².
 
-use mimesh_core::{linalg::Assembly, mesh::Surface, mesh::SurfacePoint, operators::Tetrahedron, stage::TransferPair};
+use mimesh_core::{linalg::OuterSum, mesh::Surface, mesh::SurfacePoint, operators::Tetrahedron, stage::TransferPair};
 use nalgebra::Point3;
 use petgraph::unionfind::UnionFind;
 
@@ -30,11 +30,11 @@ impl Tie {
     }
 
     /// Adds `smoothness` times its energy to xᵀ A x − 2 bᵀ x; `rhs` is b, n × 3 by columns.
-    pub fn add(&self, rest: &[Point3<f64>], smoothness: f64, assembly: &mut Assembly, rhs: &mut [f64]) {
+    pub fn add(&self, rest: &[Point3<f64>], smoothness: f64, blocks: &mut impl OuterSum, rhs: &mut [f64]) {
         let n = rhs.len() / 3;
         let weight = smoothness * self.weight;
         let [i, j] = self.vertices.map(|v| v as usize);
-        assembly.add_outer(&self.vertices, &[[1.0], [-1.0]], weight);
+        blocks.add_outer(&self.vertices, &[[1.0], [-1.0]], weight);
         let offset = rest[i] - rest[j];
         for c in 0..3 {
             rhs[c * n + i] += weight * offset[c];
