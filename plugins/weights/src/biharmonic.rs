@@ -18,7 +18,11 @@ use nalgebra::DMatrix;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::{bilaplacian::Bilaplacian, domain::Domain, greens::Greens};
+use crate::{
+    bilaplacian::Bilaplacian,
+    domain::{Domain, Group},
+    greens::Greens,
+};
 
 register!(Weights: Biharmonic);
 
@@ -52,7 +56,7 @@ impl Weights for Biharmonic {
         check_ranges(self)?;
         let points = HandlePoints::new(surface, points)?;
         let domain = Domain::new(surface, proximity, self.bridge)?;
-        let energy = |group: &_| Bilaplacian::new(group).matrix;
+        let energy = |group: &Group| Bilaplacian::new(&group.laplacian, &group.mass).matrix;
         let greens = Greens::new(domain, points, energy, "the energy of biharmonic weights")?;
         Ok(Box::new(Bound { greens, clamp: self.clamp }))
     }

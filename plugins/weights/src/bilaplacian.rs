@@ -3,23 +3,23 @@
 use mimesh_core::linalg::Assembly;
 use nalgebra_sparse::CscMatrix;
 
-use crate::domain::Group;
-
-/// Q = L M⁻¹ L of a [`Group`], with M relative to its mean: the mean times what it is in the unit of the file.
+/// Q = L M⁻¹ L of a group of vertices, with M relative to its mean: the mean times what it is in the unit of the file.
 #[derive(Debug)]
 pub struct Bilaplacian {
     /// Q, its lower triangle.
     pub matrix: CscMatrix<f64>,
-    laplacian: CscMatrix<f64>,
-    inverse_mass: Vec<f64>,
+    /// L, its lower triangle.
+    pub laplacian: CscMatrix<f64>,
+    /// The diagonal of M⁻¹.
+    pub inverse_mass: Vec<f64>,
 }
 
 impl Bilaplacian {
-    /// The energy of `group`.
-    pub fn new(group: &Group) -> Self {
-        let n = group.vertices.len();
+    /// The energy by `laplacian`, the lower triangle of L, and `mass`, the diagonal of M.
+    pub fn new(laplacian: &CscMatrix<f64>, mass: &[f64]) -> Self {
+        let n = mass.len();
         let mut rows: Vec<(Vec<u32>, Vec<[f64; 1]>)> = vec![Default::default(); n];
-        for (i, j, &value) in group.laplacian.triplet_iter() {
+        for (i, j, &value) in laplacian.triplet_iter() {
             let mut push = |i: usize, j: usize| {
                 rows[i].0.push(j as u32);
                 rows[i].1.push([value]);
@@ -29,12 +29,12 @@ impl Bilaplacian {
                 push(j, i);
             }
         }
-        let inverse_mass: Vec<f64> = group.mass.iter().map(|m| 1.0 / m).collect();
+        let inverse_mass: Vec<f64> = mass.iter().map(|m| 1.0 / m).collect();
         let mut assembly = Assembly::new(n);
         for ((indices, values), &inverse) in rows.iter().zip(&inverse_mass) {
             assembly.add_outer(indices, values, inverse);
         }
-        Self { matrix: assembly.finish(), laplacian: group.laplacian.clone(), inverse_mass }
+        Self { matrix: assembly.finish(), laplacian: laplacian.clone(), inverse_mass }
     }
 
     /// ½ xᵀ Q x and Q x, through L twice: the product with Q itself would lose the digits that smooth x share.

@@ -8,4 +8,4 @@ pub mod geodesic_falloff;
 mod greens;
 pub mod harmonic;
 
-pub use bounded_biharmonic::Normalize;
+pub use bounded_biharmonic::{Normalize, Solver};

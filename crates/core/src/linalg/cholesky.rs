@@ -94,6 +94,29 @@ impl Cholesky {
         Self::with_parameters(lower, what, parameters)
     }
 
+    /// Like [`for_refactoring`](Self::for_refactoring), with unknowns eliminated in the order they stand in: for parts of a matrix
+    /// whose own [`order`](Self::order) is known, since a part of a good order is a good order.
+    ///
+    /// Dense blocks are columns that follow each other in a postorder of the elimination tree; in other orders they are small.
+    ///
+    /// # Errors
+    ///
+    /// The errors of [`new`](Self::new).
+    pub fn in_given_order(lower: CscMatrix<f64>, what: &'static str) -> Result<Self> {
+        let supernodal_flop_ratio_threshold = SupernodalThreshold::FORCE_SUPERNODAL;
+        let parameters = CholeskySymbolicParams { supernodal_flop_ratio_threshold, ..Default::default() };
+        let n = lower.ncols();
+        // Without a permutation faer reads the upper triangle.
+        let upper = lower.pattern().transpose();
+        let pattern = SymbolicSparseColMatRef::new_checked(n, n, upper.major_offsets(), None, upper.minor_indices());
+        let symbolic = factorize_symbolic_cholesky(pattern, Side::Upper, SymmetricOrdering::Identity, parameters)
+            .map_err(|error| Error::Other(format!("{what}: {error:?}").into()))?;
+        let factor = vec![0.0; symbolic.len_val()];
+        let mut result = Self { symbolic: Arc::new(symbolic), factor, matrix: lower, reordered: None, what };
+        result.factor_numerically()?;
+        Ok(result)
+    }
+
     fn with_parameters(
         lower: CscMatrix<f64>,
         what: &'static str,
@@ -181,6 +204,11 @@ impl Cholesky {
         self.matrix.ncols()
     }
 
+    /// The unknowns in the order in which they are eliminated.
+    pub fn order(&self) -> Vec<usize> {
+        self.symbolic.perm().map_or_else(|| (0..self.size()).collect(), |order| order.arrays().0.to_vec())
+    }
+
     /// Where each column of the lower triangle starts among its values.
     pub(super) fn column_starts(&self) -> &[usize] {
         self.matrix.col_offsets()
@@ -191,9 +219,14 @@ impl Cholesky {
         let mut memory = MemBuffer::new(symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default()));
         let memory = MemStack::new(&mut memory);
         let factored = match (symbolic.raw(), &mut self.reordered) {
-            (SymbolicCholeskyRaw::Supernodal(symbolic), Some(reordered)) => {
-                reordered.update(self.matrix.values());
-                let lower = view(&reordered.matrix);
+            (SymbolicCholeskyRaw::Supernodal(symbolic), reordered) => {
+                let lower = match reordered {
+                    Some(reordered) => {
+                        reordered.update(self.matrix.values());
+                        view(&reordered.matrix)
+                    }
+                    None => view(&self.matrix),
+                };
                 let (regularisation, parameters) = Default::default();
                 let factor = &mut self.factor;
                 factorize_supernodal_numeric_llt(factor, lower, regularisation, symbolic, Par::Seq, memory, parameters)
@@ -290,7 +323,7 @@ mod tests {
         (0..n).for_each(|i| assembly.add(i, i, 0.1));
         let lower = assembly.finish();
         let plain = Cholesky::new(lower.clone(), "the test").unwrap();
-        let mut blocks = Cholesky::for_refactoring(lower, "the test").unwrap();
+        let mut blocks = Cholesky::for_refactoring(lower.clone(), "the test").unwrap();
         let right: Vec<f64> = (0..n).map(|i| (i as f64).sin()).collect();
         let solve = |cholesky: &Cholesky| {
             let mut x = right.clone();
@@ -303,5 +336,8 @@ mod tests {
         blocks.refactor(|values| values.iter_mut().for_each(|v| *v *= 2.0)).unwrap();
         let halved: Vec<f64> = solve(&plain).iter().map(|x| x / 2.0).collect();
         assert!(far(&halved, &solve(&blocks)) < 1e-12);
+        let given = Cholesky::in_given_order(lower, "the test").unwrap();
+        assert!(far(&solve(&plain), &solve(&given)) < 1e-12);
+        assert!(given.order().into_iter().eq(0..n) && !blocks.order().into_iter().eq(0..n));
     }
 }

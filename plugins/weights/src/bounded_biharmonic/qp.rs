@@ -138,7 +138,7 @@ impl<'a> BoxProgram<'a> {
     }
 
     /// The most that the energy at x can lie above the minimum: what its linear model loses to the best point of the box.
-    fn gap(&self, x: &[f64], gradient: &[f64]) -> f64 {
+    pub(super) fn gap(&self, x: &[f64], gradient: &[f64]) -> f64 {
         self.free.iter().map(|&i| (gradient[i] * x[i]).max(gradient[i] * (x[i] - 1.0))).sum()
     }
 
