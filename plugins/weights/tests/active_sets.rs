@@ -74,11 +74,9 @@ fn uneven_bar() -> Surface {
 
 #[test]
 fn energies_are_those_of_the_interior_point() {
-    for (name, surface) in [
-        ("sphere", meshes::icosphere(4)),
-        ("uneven bar", uneven_bar()),
-        ("capsule", meshes::capsule(40, 50, 3.0)),
-    ] {
+    for (name, surface) in
+        [("sphere", meshes::icosphere(4)), ("uneven bar", uneven_bar()), ("capsule", meshes::capsule(40, 50, 3.0))]
+    {
         for count in [12, 64] {
             assert_same_minimum(name, &surface, &spread(&surface, count), None);
         }
