@@ -4,7 +4,7 @@
 //!
 //! - the Frank-Wolfe gap, what gᵀd can lose within the box: it is about the multipliers times how far x is off, and large where
 //!   g at free vertices is not small to rounding;
-//! - ½ rᵀ Q⁻¹ r [dual norm of the residual], where r is −g without what points out of the box, Q is without held vertices and
+//! - ½ rᵀ Q⁻¹ r, where r is −g without what points out of the box, Q is without held vertices and
 //!   the box is ignored. Where x g > 0 is negligible, its part of the first bound is taken instead.
 //!
 //! Both hold whatever method x is from, and overstate: 1e-6 to 1e-3 of the energy where the truth is below 1e-6.
