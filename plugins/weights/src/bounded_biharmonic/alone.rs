@@ -104,7 +104,7 @@ impl Bound {
         let found: Vec<_> = (0..task.handles.len()).into_par_iter().map(minimise).collect();
         let weights: Vec<_> = found.iter().map(|found| supports.level.of_unknowns(&found.x)).collect();
         let bounds = task.program.certify(&weights);
-        let finish = |(k, ((found, x), (energy, gap))): (usize, ((Support, Vec<f64>), (f64, f64)))| {
+        let finish = |k: usize, found: Support, x: Vec<f64>, (energy, gap): (f64, f64)| {
             let relative_gap = gap / f64::max(energy, f64::MIN_POSITIVE);
             let is_solved = found.converged && relative_gap <= SUSPECT_GAP.max(self.settings.tolerance);
             let (group, handle, iterations) = (task.group, task.handles[k], found.steps);
@@ -118,6 +118,6 @@ impl Bound {
             Solved { iterations, was_left: true, ..better }
         };
         let all: Vec<_> = found.into_iter().zip(weights).zip(bounds).enumerate().collect();
-        all.into_par_iter().map(finish).collect()
+        all.into_par_iter().map(|(k, ((found, x), bound))| finish(k, found, x, bound)).collect()
     }
 }
