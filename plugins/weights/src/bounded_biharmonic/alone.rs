@@ -14,7 +14,7 @@ use crate::bilaplacian::Bilaplacian;
 /// From this many vertices of a group on active sets are faster, whatever the number of handles.
 const MANY_VERTICES: usize = 4000;
 
-/// Most steps of active sets: those that converge have taken 4 to 20.
+/// Most steps of active sets: those that converge have taken 4 to 30.
 const MAX_STEPS: usize = 40;
 
 /// A bound above this, relative to the energy, is more than overstating explains.
