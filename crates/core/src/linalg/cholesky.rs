@@ -204,6 +204,11 @@ impl Cholesky {
         self.matrix.ncols()
     }
 
+    /// The number of entries of the lower triangle of A.
+    pub fn entry_count(&self) -> usize {
+        self.matrix.nnz()
+    }
+
     /// The unknowns in the order in which they are eliminated.
     pub fn order(&self) -> Vec<usize> {
         self.symbolic.perm().map_or_else(|| (0..self.size()).collect(), |order| order.arrays().0.to_vec())
@@ -253,6 +258,11 @@ impl Cholesky {
         } else {
             Err(singular(self.what))
         }
+    }
+
+    /// The error of a matrix that is not positive definite; it names the system.
+    pub fn singular(&self) -> Error {
+        singular(self.what)
     }
 
     /// For each column of the factor the row of the matrix it eliminates and its pivot, the square of the diagonal of L.
