@@ -119,6 +119,19 @@ proptest! {
 }
 
 #[test]
+fn rotations_of_many_are_those_of_each() {
+    let mut random = Random::new(5);
+    let mut all: Vec<_> = (0..30).map(|_| random.matrix()).collect();
+    all[3] = Matrix3::zeros();
+    all[12] = -all[12];
+    all[20] *= 1e-200;
+    all[21].set_column(1, &Vector3::zeros());
+    let together = rotations(&all);
+    assert_eq!(together.len(), all.len());
+    assert!(all.iter().zip(&together).all(|(f, r)| polar(f).rotation == *r));
+}
+
+#[test]
 fn polar_of_a_reflection_is_the_nearest_rotation_and_not_the_negated_matrix() {
     let f = Matrix3::from_diagonal(&Vector3::new(3.0, 2.0, -1.0));
     // The axis of the smallest stretch is the cheapest to flip; Yang et al. 2018 after eq. 21 would negate all three.
