@@ -66,7 +66,7 @@ pub trait SequenceFormat {
 }
 
 /// A file in the making that takes poses.
-pub trait SequenceWriter {
+pub trait SequenceWriter: Send {
     /// Adds a pose, which may be a frame of a clip.
     ///
     /// # Errors

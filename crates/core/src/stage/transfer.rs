@@ -16,7 +16,7 @@ use crate::{Error, Figures, Result};
 /// - one rigid motion of the source moves a target of the same shape and place by it;
 /// - results are finite and have #V of the target entries;
 /// - without a map, `bind` succeeds or refuses as [`needs_correspondence`](Self::needs_correspondence) says;
-/// - equal inputs give equal results, on one thread or many, in any order of poses.
+/// - equal inputs give equal results, on one thread or many, in any order of poses, alone or several at once.
 #[typetag::serde(tag = "type")]
 pub trait Transfer: Debug + Send + Sync {
     /// Prepares the transfer between the rest surfaces of the input's pair.
@@ -96,6 +96,17 @@ pub trait BoundTransfer: Debug + Send + Sync {
     ///
     /// [`Error::Shape`] if `posed` has another length; [`Error::Data`] if it is not finite.
     fn transfer(&self, posed: &[Point3<f64>]) -> Result<Transferred>;
+
+    /// How many poses [`transfer_all`](Self::transfer_all) takes best: 1, the default, for transfers that gain nothing by several.
+    fn at_once(&self) -> usize {
+        1
+    }
+
+    /// [`transfer`](Self::transfer) for each of `poses`, for transfers that do several in less time. No result depends on the other
+    /// poses, not in its last bit.
+    fn transfer_all(&self, poses: &[&[Point3<f64>]]) -> Vec<Result<Transferred>> {
+        poses.iter().map(|posed| self.transfer(posed)).collect()
+    }
 
     /// A fresh start of a motion, for transfers that take poses as frames of one motion, each found from those before; `None`,
     /// the default, for transfers whose poses stand alone.

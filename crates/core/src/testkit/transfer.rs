@@ -68,9 +68,22 @@ fn transfer_between(name: &str, stage: &dyn Transfer, source: &Surface, target: 
     assert!(first == one_thread(|| run(&*bind(target), &pose)), "{name}: another result on one thread");
 
     assert!(bound.transfer(&pose[1..]).is_err(), "{name}: takes a pose with a vertex too few");
-    let mut broken = pose;
+    let mut broken = pose.clone();
     broken[3].y = f64::NAN;
     assert!(bound.transfer(&broken).is_err(), "{name}: takes a pose with NaN");
+
+    let several: Vec<&[Point3<f64>]> = (0..=bound.at_once()).flat_map(|_| [&other[..], &broken, &pose]).collect();
+    let together = bound.transfer_all(&several);
+    assert_eq!(together.len(), several.len(), "{name}: one result a pose");
+    for (k, result) in together.into_iter().enumerate() {
+        match result {
+            Ok(_) if k % 3 == 1 => panic!("{name}: takes a pose with NaN among others"),
+            Err(_) if k % 3 == 1 => {}
+            Ok(result) if k % 3 == 2 => assert!(result.positions == first, "{name}: another result among others"),
+            Ok(_) => {}
+            Err(error) => panic!("{name}: a pose fails among others: {error}"),
+        }
+    }
 }
 
 /// The same topology with other proportions, of the same mean size.
