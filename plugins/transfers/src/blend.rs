@@ -24,7 +24,7 @@ use serde::{Deserialize, Serialize};
 use crate::{
     frames::{Frames, evenly_spaced},
     gradient::GradientTransfer,
-    poisson::Poisson,
+    poisson::{Fit, Poisson},
 };
 
 register!(Transfer: Blend);
@@ -285,7 +285,7 @@ impl Bound {
             self.members.part.iter().enumerate().map(|(v, &k)| results[k].positions[v]).collect();
         let field: Vec<Matrix3<f64>> = (0..self.triangles.len()).map(|t| self.gradient(t, &results)).collect();
         if let Some(poisson) = &self.poisson {
-            let integrated = poisson.solve(&field, 0, 1.0)?.positions;
+            let integrated = poisson.solve(&field, Fit::LEAST_SQUARES)?.positions;
             for members in &self.members.mixed {
                 let goal: Vector3<f64> = members.iter().map(|&(v, share)| self.mean(v, &results) * share).sum();
                 let found: Vector3<f64> = members.iter().map(|&(v, share)| integrated[v as usize].coords * share).sum();

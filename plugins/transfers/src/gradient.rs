@@ -24,13 +24,17 @@ use mimesh_core::{
     spatial::Orientation,
     stage::{BindInput, BoundTransfer, Transfer, TransferPair, Transferred},
 };
-use nalgebra::Point3;
+use nalgebra::{Matrix3, Point3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Continuation, Placement, alignment::Alignment, extension::OrphanRule, field::Field, placement::BoundPlacement,
-    poisson::Poisson,
+    Continuation, Placement,
+    alignment::Alignment,
+    extension::OrphanRule,
+    field::Field,
+    placement::BoundPlacement,
+    poisson::{Fit, Poisson, Solution},
 };
 
 register!(Transfer: GradientTransfer);
@@ -168,17 +172,23 @@ struct Bound {
 
 impl BoundTransfer for Bound {
     fn transfer(&self, posed: &[Point3<f64>]) -> Result<Transferred> {
-        Error::check_shape("posed source vertices (#V)", self.field.source_vertices(), posed.len())?;
-        check_finite(posed)?;
-        let field = self.field.at(posed);
-        let mut solution = self.poisson.solve(&field, self.settings.reweightings, self.settings.tolerance)?;
-        self.placement.apply(posed, &mut solution.positions);
-        check_finite(&solution.positions)?;
-        let mut figures = Figures::default();
-        figures.set("gradient_residual", solution.residual);
-        figures.set("energy", solution.energies[solution.energies.len() - 1]);
-        figures.set("solves", solution.energies.len());
-        Ok(Transferred { positions: solution.positions, figures })
+        self.transfer_all(&[posed]).pop().expect("one pose has one result")
+    }
+
+    fn at_once(&self) -> usize {
+        self.poisson.at_once()
+    }
+
+    fn transfer_all(&self, poses: &[&[Point3<f64>]]) -> Vec<Result<Transferred>> {
+        let fields: Vec<Result<Vec<Matrix3<f64>>>> = poses.iter().map(|posed| self.field(posed)).collect();
+        let sound: Vec<&[Matrix3<f64>]> = fields.iter().flatten().map(Vec::as_slice).collect();
+        let fit = Fit { steps: self.settings.reweightings, epsilon: self.settings.tolerance };
+        let mut solutions = self.poisson.solve_all(&sound, fit).into_iter();
+        let transferred = |(field, posed): (Result<Vec<Matrix3<f64>>>, &&[Point3<f64>])| {
+            field?;
+            self.placed(solutions.next().expect("each field has a solution")?, posed)
+        };
+        fields.into_iter().zip(poses).map(transferred).collect()
     }
 
     fn figures(&self) -> Figures {
@@ -188,5 +198,24 @@ impl BoundTransfer for Bound {
         figures.set("triangles_by_partner", partners);
         figures.set("orphan_triangles", orphans);
         figures
+    }
+}
+
+impl Bound {
+    /// The gradients that the target's triangles should take when the source is at `posed`.
+    fn field(&self, posed: &[Point3<f64>]) -> Result<Vec<Matrix3<f64>>> {
+        Error::check_shape("posed source vertices (#V)", self.field.source_vertices(), posed.len())?;
+        check_finite(posed)?;
+        Ok(self.field.at(posed))
+    }
+
+    fn placed(&self, mut solution: Solution, posed: &[Point3<f64>]) -> Result<Transferred> {
+        self.placement.apply(posed, &mut solution.positions);
+        check_finite(&solution.positions)?;
+        let mut figures = Figures::default();
+        figures.set("gradient_residual", solution.residual);
+        figures.set("energy", solution.energies[solution.energies.len() - 1]);
+        figures.set("solves", solution.energies.len());
+        Ok(Transferred { positions: solution.positions, figures })
     }
 }

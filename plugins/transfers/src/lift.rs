@@ -2,9 +2,9 @@
 
 use mimesh_core::{
     mesh::Surface,
-    operators::{Turn, mean_quaternion},
+    operators::{mean_quaternion, rotations},
 };
-use nalgebra::{Matrix3, UnitQuaternion};
+use nalgebra::{Matrix3, Rotation3, UnitQuaternion};
 
 /// Gives rotations of triangles of the source as quaternions whose signs agree along the surface.
 ///
@@ -30,22 +30,25 @@ impl Lift {
     /// Signs are carried over the edges of the spanning tree along which neighbours turn most alike, so that a few folded
     /// triangles mislead none but themselves. Pieces of the surface take the sign that is nearer to the first.
     pub fn quaternions(&self, gradient: impl Fn(usize) -> Matrix3<f64>) -> Vec<UnitQuaternion<f64>> {
-        let mut all: Vec<_> = (0..self.triangles).map(|t| Turn::of(&gradient(t)).quaternion).collect();
-        let dot = |[a, b]: [u32; 2]| all[a as usize].coords.dot(&all[b as usize].coords);
-        let mut edges: Vec<([u32; 2], f64)> = self.adjacent.iter().map(|&edge| (edge, dot(edge))).collect();
-        edges.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
-        let mut signs = Signs::new(self.triangles);
-        edges.iter().for_each(|&([a, b], dot)| signs.join(a, b, dot < 0.0));
-        let mut pieces = vec![Vec::new(); self.triangles];
+        let gradients: Vec<_> = (0..self.triangles).map(gradient).collect();
+        let quaternion = |r| UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(r));
+        let mut all: Vec<_> = rotations(&gradients).into_iter().map(quaternion).collect();
+        let signs = self.signs(&all, ALIKE);
+        // Pieces in the order of their first triangles.
+        let (mut pieces, mut number) = (Vec::<Vec<usize>>::new(), vec![None; self.triangles]);
         for (t, q) in all.iter_mut().enumerate() {
             let (root, flips) = signs.find(t as u32);
             if flips {
                 *q = UnitQuaternion::new_unchecked(-q.into_inner());
             }
-            pieces[root as usize].push(t);
+            let piece = *number[root as usize].get_or_insert(pieces.len());
+            if piece == pieces.len() {
+                pieces.push(vec![]);
+            }
+            pieces[piece].push(t);
         }
         let mut first = None;
-        for piece in pieces.iter().filter(|piece| !piece.is_empty()) {
+        for piece in &pieces {
             let mean = mean_quaternion(piece.iter().map(|&t| (1.0, all[t])));
             if first.get_or_insert(mean).coords.dot(&mean.coords) < 0.0 {
                 piece.iter().for_each(|&t| all[t] = UnitQuaternion::new_unchecked(-all[t].into_inner()));
@@ -53,7 +56,30 @@ impl Lift {
         }
         self.asked.iter().map(|&t| all[t as usize]).collect()
     }
+
+    /// The signs of quaternions `all` along the spanning tree; neighbours turn `alike` if their product is at least that.
+    fn signs(&self, all: &[UnitQuaternion<f64>], alike: f64) -> Signs {
+        let dot = |[a, b]: [u32; 2]| all[a as usize].coords.dot(&all[b as usize].coords);
+        let edges: Vec<([u32; 2], f64)> = self.adjacent.iter().map(|&edge| (edge, dot(edge))).collect();
+        let sorted = |mut edges: Vec<([u32; 2], f64)>| {
+            edges.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
+            edges
+        };
+        // Most neighbours turn alike. Where these agree around every ring, the tree among them says no more than they all.
+        let (close, others): (Vec<_>, Vec<_>) = edges.iter().copied().partition(|(_, dot)| dot.abs() >= alike);
+        let mut signs = Signs::new(self.triangles);
+        if close.into_iter().all(|([a, b], dot)| signs.join(a, b, dot < 0.0)) {
+            sorted(others).into_iter().for_each(|([a, b], dot)| _ = signs.join(a, b, dot < 0.0));
+            return signs;
+        }
+        let mut signs = Signs::new(self.triangles);
+        sorted(edges).into_iter().for_each(|([a, b], dot)| _ = signs.join(a, b, dot < 0.0));
+        signs
+    }
 }
+
+/// Neighbours turn alike if their quaternions have at least this product, but for the sign: within 37 degrees.
+const ALIKE: f64 = 0.95;
 
 /// Sets of triangles, each with a sign relative to the root of its set.
 struct Signs {
@@ -79,16 +105,17 @@ impl Signs {
         (t, flips)
     }
 
-    /// Joins the sets of `a` and `b`, whose signs differ if `differ`; does nothing if they are one.
-    fn join(&mut self, a: u32, b: u32, differ: bool) {
+    /// Joins the sets of `a` and `b`, whose signs differ if `differ`; does nothing if they are one. Whether the signs are so afterwards.
+    fn join(&mut self, a: u32, b: u32, differ: bool) -> bool {
         let ((a, a_flips), (b, b_flips)) = (self.find(a), self.find(b));
         if a == b {
-            return;
+            return a_flips ^ b_flips == differ;
         }
         let (root, child) = if self.size[a as usize] >= self.size[b as usize] { (a, b) } else { (b, a) };
         self.parent[child as usize] = root;
         self.flips[child as usize] = differ ^ a_flips ^ b_flips;
         self.size[root as usize] += self.size[child as usize];
+        true
     }
 }
 
@@ -113,6 +140,36 @@ mod tests {
             let [low, high] = lift.quaternions(turn)[..] else { panic!("two were asked for") };
             let found = logarithm(&(low.inverse() * high)).y.to_degrees();
             assert!((found - degrees).abs() < 1e-9, "{degrees}: {found}");
+        }
+    }
+
+    #[test]
+    fn neighbours_that_turn_alike_need_no_order() {
+        let surface = meshes::cylinder(16, 12, 4.0);
+        let lift = Lift::new(&surface, vec![]);
+        let centre =
+            |t: usize| surface.corners(&surface.positions, t).iter().map(|p| p.coords).sum::<Vector3<f64>>() / 3.0;
+        // Once around the cylinder is a full turn for the last one, so that no signs agree around it.
+        for (along, around, noise) in
+            [(0.4, 0.0, 0.0), (1.5, 0.0, 0.3), (0.2, 0.0, 3.0), (0.1, 1.0, 0.2), (0.0, 1.0, 0.0)]
+        {
+            let turn = |t: usize| {
+                let c = centre(t);
+                let angle = along * c.y + around * c.z.atan2(c.x) + noise * (t as f64 * 12.9898).sin();
+                let sign = if t.is_multiple_of(3) { -1.0 } else { 1.0 };
+                let q = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), angle);
+                UnitQuaternion::new_unchecked(q.into_inner() * sign)
+            };
+            let all: Vec<_> = (0..surface.triangle_count()).map(turn).collect();
+            let [fast, plain] = [ALIKE, 2.0].map(|alike| lift.signs(&all, alike));
+            let relative = |signs: &Signs, t: u32| {
+                let ((a, flips), (b, of_first)) = (signs.find(t), signs.find(0));
+                assert_eq!(a, b, "one piece");
+                flips ^ of_first
+            };
+            for t in 0..all.len() as u32 {
+                assert_eq!(relative(&fast, t), relative(&plain, t), "{t} at {along} {around} {noise}");
+            }
         }
     }
 }

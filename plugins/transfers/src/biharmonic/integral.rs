@@ -7,7 +7,7 @@ use mimesh_core::{
 };
 use nalgebra::{DMatrix, Matrix3, Matrix3x4, Point3, Vector3};
 
-use crate::poisson::Poisson;
+use crate::poisson::{Fit, Poisson};
 
 /// The target at corresponding places of the source, and how gradients there become positions of the target.
 #[derive(Debug)]
@@ -77,7 +77,7 @@ impl Integral {
             gradient.of_posed(&corners.map(|v| blend[v as usize])) + of_maps * normal * normal.transpose()
         };
         let field: Vec<_> = (0..self.triangles.len()).map(gradient).collect();
-        let mut positions = self.poisson.solve(&field, 0, 1.0)?.positions;
+        let mut positions = self.poisson.solve(&field, Fit::LEAST_SQUARES)?.positions;
         for members in &self.components {
             let mean = |points: &[Point3<f64>]| -> Vector3<f64> {
                 members.iter().map(|&(v, share)| points[v as usize].coords * share).sum()
