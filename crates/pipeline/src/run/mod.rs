@@ -4,6 +4,7 @@ mod execute;
 mod files;
 mod measure;
 mod poses;
+mod schedule;
 mod shapes;
 mod stages;
 mod written;

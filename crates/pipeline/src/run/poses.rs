@@ -1,13 +1,17 @@
 //! The poses of a run: read, transferred, measured and written in a stream, so that memory does not grow with their number.
 
-use std::path::Path;
+use std::{
+    ops::Range,
+    path::Path,
+    sync::{Mutex, MutexGuard, PoisonError},
+};
 
 use mimesh_core::{
     Error, Result,
     mesh::{PosesAre, check_finite},
     stage::{BoundTransfer, Motion, Transferred},
 };
-use mimesh_document::{Diagnostic, Kind, Location, diagnostic};
+use mimesh_document::{Diagnostic, Diagnostics, Kind, Location, diagnostic};
 use mimesh_markers::IntoDiagnostic;
 use nalgebra::Point3;
 use rayon::prelude::*;
@@ -15,6 +19,7 @@ use rayon::prelude::*;
 use super::{
     files::{SequenceFile, pose_files, warnings_of_pose_files},
     measure::{Measurer, PosedPose},
+    schedule::{BEFORE, Schedule, Steps},
     shapes::Shapes,
     stages::Stages,
 };
@@ -26,8 +31,8 @@ use crate::{
     staging::Staged,
 };
 
-/// Poses under way for each thread: enough that none waits for the slowest of a chunk for long.
-const POSES_PER_THREAD: usize = 4;
+/// Frames of one motion that are read side by side.
+const FRAMES_AT_ONCE: usize = 8;
 
 /// Sends the poses of a run through its stages.
 pub(super) struct PoseRunner<'a> {
@@ -57,16 +62,20 @@ pub(super) struct Stream {
 }
 
 /// The output of one pose.
-struct PoseOutput<'p> {
-    posed: &'p PosedPose,
+struct PoseOutput {
     report: PoseReport,
     files: Vec<Staged>,
 }
 
 type PoseResult<T> = std::result::Result<T, Diagnostic>;
 
-/// A pose with its number.
-type Numbered<'a> = (usize, &'a PoseInput);
+/// The source in a pose.
+struct SourcePose {
+    /// The vertices of its surface.
+    surface: Vec<Point3<f64>>,
+    /// Vertices on seams that are closed at rest and open here.
+    opened: usize,
+}
 
 impl<'a> PoseRunner<'a> {
     /// Sends all poses through.
@@ -77,37 +86,24 @@ impl<'a> PoseRunner<'a> {
     pub fn stream(&self) -> diagnostic::Result<Stream> {
         let mut stream = Stream::default();
         let mut sequences = SequenceFile::all(self.prepared).map_err(IntoDiagnostic::into_diagnostic)?;
-        let chunk = rayon::current_num_threads() * POSES_PER_THREAD;
-        let poses: Vec<Numbered<'_>> = self.prepared.poses.iter().enumerate().collect();
-        let mut motion = None;
-        // The poses of the chunk, behind the two before it.
-        let mut posed: Vec<PoseResult<PosedPose>> = vec![];
-        for chunk in poses.chunks(chunk) {
-            let before = posed.len();
-            posed.extend(self.posed(chunk, &mut motion)?);
-            let outputs: Vec<_> =
-                (0..chunk.len()).into_par_iter().map(|k| self.output(chunk[k], &posed, before + k)).collect();
-            for ((_, pose), output) in chunk.iter().zip(outputs) {
-                let diagnostic = match output {
-                    Ok(output) => {
-                        for sequence in &mut sequences {
-                            sequence.add(pose, &output.posed.target.positions)?;
-                        }
-                        stream.add(pose, output);
-                        continue;
+        let poses = &self.prepared.poses;
+        let (at_once, in_order) = self.batches()?;
+        let schedule = Schedule { count: poses.len(), batch: at_once, in_order };
+        schedule.run(&PoseSteps { runner: self, motion: Mutex::new(None) }, |i, posed, output| {
+            let pose = &poses[i];
+            self.progress.pose_done();
+            match (posed, output) {
+                (Ok(posed), Ok(output)) => {
+                    for sequence in &mut sequences {
+                        sequence.add(pose, &posed.target.positions)?;
                     }
-                    Err(diagnostic) => diagnostic,
-                };
-                // A full disk is no fault of the pose.
-                if diagnostic.kind == Kind::CannotWrite {
-                    return Err(diagnostic.into());
+                    stream.add(pose, output);
                 }
-                let error = Some(diagnostic.to_json());
-                stream.poses.push(PoseReport { name: pose.name.clone(), error, ..PoseReport::default() });
-                stream.failed.push(diagnostic);
+                (Err(diagnostic), _) => stream.fail(pose, diagnostic.clone())?,
+                (_, Err(diagnostic)) => stream.fail(pose, diagnostic)?,
             }
-            posed.drain(..posed.len().saturating_sub(2));
-        }
+            Ok(())
+        })?;
         stream.warnings.extend(warnings_of_pose_files(self.prepared));
         if stream.failed.len() < stream.poses.len() {
             for sequence in sequences {
@@ -119,83 +115,100 @@ impl<'a> PoseRunner<'a> {
         Ok(stream)
     }
 
-    /// The poses of a chunk, transferred or taken from the cache.
-    ///
-    /// Frames of one motion are taken from the cache only where all are there. If one proves damaged, the motion is replayed up to it.
-    fn posed(
-        &self,
-        chunk: &[Numbered<'_>],
-        motion: &mut Option<Box<dyn Motion + 'a>>,
-    ) -> diagnostic::Result<Vec<PoseResult<PosedPose>>> {
-        let cache = self.stages.reusable_poses().filter(|_| motion.is_none());
-        let cached: Vec<Option<PosedTarget>> =
-            chunk.par_iter().map(|(i, _)| cache.and_then(|cache| cache.get(*i))).collect();
-        if cached.iter().all(Option::is_some) {
-            let reused =
-                chunk.par_iter().zip(cached).filter_map(|((_, pose), target)| Some(self.reused(pose, target?)));
-            return Ok(reused.collect());
+    /// How many poses are taken at once, and whether one batch needs those before it.
+    fn batches(&self) -> diagnostic::Result<(usize, bool)> {
+        // Where all results are cached there may be no bound transfer, and one batch at a time may have to bind it.
+        if self.stages.reusable_poses().is_some() && self.stages.is_complete() {
+            return Ok((FRAMES_AT_ONCE, true));
         }
-        let stages: &'a Stages<'a> = self.stages;
-        let bound = stages.bound()?;
-        if motion.is_none() {
-            *motion = bound.motion();
-            if let (Some(motion), Some((first, _))) = (motion.as_mut(), chunk.first()) {
-                self.replay(*first, motion.as_mut());
-            }
-        }
-        if let Some(motion) = motion {
-            return Ok(self.frames(chunk, motion.as_mut()));
-        }
-        let pose = |((i, pose), target): (&Numbered<'_>, Option<PosedTarget>)| match target {
-            Some(target) => self.reused(pose, target),
-            None => self.transferred(*i, pose, bound),
-        };
-        Ok(chunk.par_iter().zip(cached).map(pose).collect())
+        let bound = self.stages.bound()?;
+        Ok(if bound.motion().is_some() { (FRAMES_AT_ONCE, true) } else { (bound.at_once(), false) })
     }
 
     /// A pose from the cache.
     fn reused(&self, pose: &PoseInput, target: PosedTarget) -> PoseResult<PosedPose> {
         // The source is only there to measure against; where it cannot be read, less is measured.
         let posed = if self.measurer.wants_source() { self.read(pose).ok() } else { None };
-        self.progress.pose_done();
-        self.measurable(pose, target, true, posed.as_deref())
+        self.measurable(pose, target, true, posed.map(|posed| posed.surface))
     }
 
-    /// A pose that stands alone.
-    fn transferred(&self, i: usize, pose: &PoseInput, bound: &dyn BoundTransfer) -> PoseResult<PosedPose> {
-        let posed = self.read(pose).and_then(|posed| {
-            let target = self.transfer(i, pose, &posed, |posed| bound.transfer(posed))?;
-            self.measurable(pose, target, false, Some(&posed))
-        });
-        self.progress.pose_done();
-        posed
+    /// Poses that stand alone.
+    fn transferred(&self, poses: &[usize], bound: &dyn BoundTransfer) -> Vec<PoseResult<PosedPose>> {
+        let sources: Vec<_> = poses.par_iter().map(|&i| self.read(&self.prepared.poses[i])).collect();
+        let readable: Vec<&[Point3<f64>]> = sources.iter().flatten().map(|source| source.surface.as_slice()).collect();
+        let mut transferred = bound.transfer_all(&readable).into_iter();
+        let results: Vec<_> = sources
+            .into_iter()
+            .map(|source| source.map(|source| (source, transferred.next().expect("each pose has a result"))))
+            .collect();
+        let posed = |(&i, result): (&usize, PoseResult<(SourcePose, Result<Transferred>)>)| {
+            let (source, transferred) = result?;
+            self.posed(i, source, transferred)
+        };
+        poses.par_iter().zip(results).map(posed).collect()
     }
 
-    /// Frames of one motion: read and written side by side, but transferred one after the other.
-    fn frames(&self, chunk: &[Numbered<'_>], motion: &mut dyn Motion) -> Vec<PoseResult<PosedPose>> {
-        let read: Vec<_> = chunk.par_iter().map(|(_, pose)| self.read(pose)).collect();
-        let mut frames = Vec::new();
-        for (&(i, pose), posed) in chunk.iter().zip(read) {
-            frames.push(posed.and_then(|posed| {
-                let target = self.transfer(i, pose, &posed, |posed| motion.frame(i, posed))?;
-                self.measurable(pose, target, false, Some(&posed))
-            }));
-            self.progress.pose_done();
-        }
-        frames
+    /// Frames of one motion: read side by side, but transferred one after the other.
+    fn frames(&self, frames: Range<usize>, motion: &mut dyn Motion) -> Vec<PoseResult<PosedPose>> {
+        let poses = &self.prepared.poses;
+        let read: Vec<_> = frames.clone().into_par_iter().map(|i| self.read(&poses[i])).collect();
+        let transferred: Vec<_> = frames
+            .clone()
+            .zip(read)
+            .map(|(i, source)| {
+                let source = source?;
+                let transferred = motion.frame(i, &source.surface);
+                Ok((source, transferred))
+            })
+            .collect();
+        let posed = |(i, result): (usize, PoseResult<(SourcePose, Result<Transferred>)>)| {
+            let (source, transferred) = result?;
+            self.posed(i, source, transferred)
+        };
+        frames.into_par_iter().zip(transferred).map(posed).collect()
     }
 
     /// Brings a motion to frame `end`; the results before it are there already.
     fn replay(&self, end: usize, motion: &mut dyn Motion) {
         for (i, pose) in self.prepared.poses[..end].iter().enumerate() {
-            let surface = &self.prepared.source.surface;
-            if let Ok(posed) = self.read(pose)
-                && let Ok(posed) = surface.from_mesh(&posed)
-            {
+            if let Ok(source) = self.read(pose) {
                 // A frame that failed was reported when it came first.
-                let _ = motion.frame(i, &posed);
+                let _ = motion.frame(i, &source.surface);
             }
         }
+    }
+
+    /// The result of pose `i`; it is cached at once, so that a run that is killed afterwards need not transfer it again.
+    fn posed(&self, i: usize, source: SourcePose, transferred: Result<Transferred>) -> PoseResult<PosedPose> {
+        let pose = &self.prepared.poses[i];
+        let target = self.target(i, &source, transferred).map_err(|error| {
+            let name = self.stages.transfer.typetag_name();
+            pose_error(&pose.name, None, Some(format!("transfer ({name})")), error)
+        })?;
+        if let Some(cache) = self.stages.pose_cache() {
+            cache.put(i, &target);
+        }
+        self.measurable(pose, target, false, Some(source.surface))
+    }
+
+    /// The target's mesh when the source is at `source`.
+    fn target(&self, i: usize, source: &SourcePose, transferred: Result<Transferred>) -> Result<PosedTarget> {
+        let Transferred { mut positions, mut figures } = transferred?;
+        self.shapes.edit(i, &source.surface, &mut positions)?;
+        if source.opened > 0 {
+            figures.warn(format!(
+                "{} vertices of the source lie on a seam that is closed at rest and opens in this pose; it is taken for closed: name them by `opened_seams` in `source` if they are to open",
+                source.opened
+            ));
+        }
+        let target = &self.prepared.target;
+        let positions = target.surface.to_mesh(&target.mirrored_positions(positions))?;
+        check_finite(&positions).map_err(|error| {
+            let hint =
+                "the method cannot cope with this pose; look at it, and for degenerate triangles of the rest meshes";
+            Error::data(format!("result: {error}"), hint)
+        })?;
+        Ok(PosedTarget { positions, figures })
     }
 
     /// A posed target with all that metrics ask for.
@@ -204,11 +217,10 @@ impl<'a> PoseRunner<'a> {
         pose: &PoseInput,
         target: PosedTarget,
         reused: bool,
-        posed: Option<&[Point3<f64>]>,
+        source: Option<Vec<Point3<f64>>>,
     ) -> PoseResult<PosedPose> {
-        let Prepared { source: from, target: rest, .. } = self.prepared;
-        let posed = posed.filter(|_| self.measurer.wants_source());
-        let source = posed.and_then(|posed| from.surface.from_mesh(posed).ok());
+        let rest = &self.prepared.target;
+        let source = source.filter(|_| self.measurer.wants_source());
         let surface = if self.measurer.is_measuring() {
             let surface = rest.surface.from_mesh(&target.positions).map(|surface| rest.mirrored_positions(surface));
             surface.map_err(|error| pose_error(&pose.name, None, None, error))?
@@ -218,86 +230,117 @@ impl<'a> PoseRunner<'a> {
         Ok(PosedPose { target, surface, reused, source })
     }
 
-    /// The vertices of the source's mesh in a pose.
-    fn read(&self, pose: &PoseInput) -> PoseResult<Vec<Point3<f64>>> {
+    /// The source in a pose.
+    fn read(&self, pose: &PoseInput) -> PoseResult<SourcePose> {
+        let source = &self.prepared.source;
         let file = if let PoseFrom::File(file) = &pose.from { Some(file.as_path()) } else { None };
-        read_pose(&self.prepared.source, &self.prepared.formats, &pose.from)
-            .map_err(|error| pose_error(&pose.name, file, None, error))
+        let mesh = read_pose(source, &self.prepared.formats, &pose.from)
+            .map_err(|error| pose_error(&pose.name, file, None, error))?;
+        let on_surface = || {
+            let opened = source.surface.opened_seams(&mesh, 1e-6_f64.max(3.0 * source.welding.tolerance))?;
+            Ok((source.surface.from_mesh(&mesh)?, opened))
+        };
+        let (surface, opened) = on_surface().map_err(|error| pose_error(&pose.name, file, None, error))?;
+        Ok(SourcePose { surface, opened })
+    }
+}
+
+/// The steps of the poses of a run.
+struct PoseSteps<'a> {
+    runner: &'a PoseRunner<'a>,
+    /// The motion under way, where poses are frames of one.
+    motion: Mutex<Option<Box<dyn Motion + 'a>>>,
+}
+
+impl<'a> PoseSteps<'a> {
+    fn motion(&self) -> MutexGuard<'_, Option<Box<dyn Motion + 'a>>> {
+        self.motion.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Steps for PoseSteps<'_> {
+    type Posed = PoseResult<PosedPose>;
+    type Output = PoseResult<PoseOutput>;
+    type Error = Diagnostics;
+
+    /// The poses of a batch, transferred or taken from the cache.
+    ///
+    /// Frames of one motion are taken from the cache only where all are there. If one proves damaged, the motion is replayed up to it.
+    fn pose(&self, batch: Range<usize>) -> diagnostic::Result<Vec<PoseResult<PosedPose>>> {
+        let runner = self.runner;
+        // Taken, not held: this thread may begin another batch while it waits for others, but not within a motion.
+        let mut motion = self.motion().take();
+        let cache = runner.stages.reusable_poses().filter(|_| motion.is_none());
+        let mut cached: Vec<Option<PosedTarget>> =
+            batch.clone().into_par_iter().map(|i| cache.and_then(|cache| cache.get(i))).collect();
+        if !cached.iter().all(Option::is_some) {
+            let bound = runner.stages.bound()?;
+            if motion.is_none() {
+                motion = bound.motion();
+                if let Some(motion) = motion.as_mut() {
+                    runner.replay(batch.start, motion.as_mut());
+                }
+            }
+            if let Some(mut motion) = motion {
+                let frames = runner.frames(batch, motion.as_mut());
+                *self.motion() = Some(motion);
+                return Ok(frames);
+            }
+        }
+        let missing: Vec<usize> = batch.clone().zip(&cached).filter(|(_, c)| c.is_none()).map(|(i, _)| i).collect();
+        let mut transferred = if missing.is_empty() {
+            vec![].into_iter()
+        } else {
+            runner.transferred(&missing, runner.stages.bound()?).into_iter()
+        };
+        let pose = |(i, cached): (usize, &mut Option<PosedTarget>)| match cached.take() {
+            Some(target) => runner.reused(&runner.prepared.poses[i], target),
+            None => transferred.next().expect("each pose that is missing was transferred"),
+        };
+        Ok(batch.zip(&mut cached).map(pose).collect())
     }
 
-    /// The target for a posed source; it is cached at once, so that a run that is killed afterwards need not transfer it again.
-    fn transfer(
+    /// Measures and writes a pose; the diagnostic of one that failed before.
+    fn finish(
         &self,
         i: usize,
-        pose: &PoseInput,
-        posed: &[Point3<f64>],
-        transfer: impl FnOnce(&[Point3<f64>]) -> Result<Transferred>,
-    ) -> PoseResult<PosedTarget> {
-        let transfer = |posed: &[Point3<f64>]| {
-            let mut transferred = transfer(posed)?;
-            self.shapes.edit(i, posed, &mut transferred.positions)?;
-            Ok(transferred)
+        posed: &PoseResult<PosedPose>,
+        before: [Option<&PoseResult<PosedPose>>; BEFORE],
+    ) -> PoseResult<PoseOutput> {
+        let prepared = self.runner.prepared;
+        let this = posed.as_ref().map_err(Clone::clone)?;
+        let before = match prepared.poses_are {
+            PosesAre::Frames => before.map(|posed| posed?.as_ref().ok().map(PosedPose::frame)),
+            PosesAre::Shapes => [None; BEFORE],
         };
-        let target = posed_target(self.prepared, posed, transfer).map_err(|error| {
-            let name = self.stages.transfer.typetag_name();
-            pose_error(&pose.name, None, Some(format!("transfer ({name})")), error)
-        })?;
-        if let Some(cache) = self.stages.pose_cache() {
-            cache.put(i, &target);
-        }
-        Ok(target)
-    }
-
-    /// Measures and writes pose `k` of `posed`; the diagnostic of a pose that failed before.
-    fn output<'p>(
-        &self,
-        (i, pose): Numbered<'_>,
-        posed: &'p [PoseResult<PosedPose>],
-        k: usize,
-    ) -> PoseResult<PoseOutput<'p>> {
-        let this = posed[k].as_ref().map_err(Clone::clone)?;
-        let frame = |back: usize| k.checked_sub(back).and_then(|k| posed[k].as_ref().ok()).map(PosedPose::frame);
-        let before = match self.prepared.poses_are {
-            PosesAre::Frames => [1, 2].map(frame),
-            PosesAre::Shapes => [None; 2],
-        };
-        let figures = this.target.figures.clone();
-        let mut report = PoseReport { name: pose.name.clone(), reused: this.reused, figures, ..PoseReport::default() };
-        self.measurer.measure(i, this, before, self.stages.pose_cache(), &mut report);
-        pose_files(self.prepared, i, &this.target.positions).map(|files| PoseOutput { posed: this, report, files })
+        let name = prepared.poses[i].name.clone();
+        let mut report =
+            PoseReport { name, reused: this.reused, figures: this.target.figures.clone(), ..PoseReport::default() };
+        self.runner.measurer.measure(i, this, before, self.runner.stages.pose_cache(), &mut report);
+        let files = pose_files(prepared, i, &this.target.positions)?;
+        Ok(PoseOutput { report, files })
     }
 }
 
 impl Stream {
-    fn add(&mut self, pose: &PoseInput, output: PoseOutput<'_>) {
+    fn add(&mut self, pose: &PoseInput, output: PoseOutput) {
         let warnings = output.report.figures.warnings.iter();
         self.warnings.extend(warnings.map(|warning| format!("pose {}: {warning}", pose.name)));
         self.poses.push(output.report);
         self.files.extend(output.files);
     }
-}
 
-/// The target's mesh when the source's mesh is at `posed`.
-fn posed_target(
-    prepared: &Prepared,
-    posed: &[Point3<f64>],
-    transfer: impl FnOnce(&[Point3<f64>]) -> Result<Transferred>,
-) -> Result<PosedTarget> {
-    let surface = &prepared.source.surface;
-    let opened = surface.opened_seams(posed, 1e-6_f64.max(3.0 * prepared.source.welding.tolerance))?;
-    let mut transferred = transfer(&surface.from_mesh(posed)?)?;
-    if opened > 0 {
-        transferred.figures.warn(format!(
-            "{opened} vertices of the source lie on a seam that is closed at rest and opens in this pose; it is taken for closed: name them by `opened_seams` in `source` if they are to open"
-        ));
+    /// Notes a pose that failed on its own.
+    fn fail(&mut self, pose: &PoseInput, diagnostic: Diagnostic) -> diagnostic::Result<()> {
+        // A full disk is no fault of the pose.
+        if diagnostic.kind == Kind::CannotWrite {
+            return Err(diagnostic.into());
+        }
+        let error = Some(diagnostic.to_json());
+        self.poses.push(PoseReport { name: pose.name.clone(), error, ..PoseReport::default() });
+        self.failed.push(diagnostic);
+        Ok(())
     }
-    let target = &prepared.target;
-    let positions = target.surface.to_mesh(&target.mirrored_positions(transferred.positions))?;
-    check_finite(&positions).map_err(|error| {
-        let hint = "the method cannot cope with this pose; look at it, and for degenerate triangles of the rest meshes";
-        Error::data(format!("result: {error}"), hint)
-    })?;
-    Ok(PosedTarget { positions, figures: transferred.figures })
 }
 
 /// The diagnostic of an error about the pose `name`, at its file if it has one; `doing` is the action that failed.

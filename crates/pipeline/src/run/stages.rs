@@ -187,8 +187,12 @@ impl<'a> Stages<'a> {
 
     /// The cached results that may be used one by one: frames of one motion only where all are there.
     pub fn reusable_poses(&self) -> Option<PoseCache<'a>> {
-        let complete = self.cache.is_some_and(|(_, cached)| cached.complete);
-        self.pose_cache().filter(|poses| complete || !poses.motion)
+        self.pose_cache().filter(|poses| self.is_complete() || !poses.motion)
+    }
+
+    /// Whether the results of all poses are cached.
+    pub fn is_complete(&self) -> bool {
+        self.cache.is_some_and(|(_, cached)| cached.complete)
     }
 
     /// Adds the report of a stage.
