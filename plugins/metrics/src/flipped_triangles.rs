@@ -3,7 +3,7 @@
 use mimesh_core::{
     Figures, Result,
     mesh::Surface,
-    operators::{polar, relative_height},
+    operators::{relative_height, rotations},
     register,
     stage::{BoundMetric, Measured, Metric, MetricContext, MetricInput, Statistic},
 };
@@ -132,12 +132,23 @@ impl<'a> Rest<'a> {
             (0..surface.triangle_count()).into_par_iter().with_min_len(1024).map(term).collect();
         let around = |triangles: &Vec<u32>| triangles.iter().map(|&t| terms[t as usize]).sum();
         let rings: Vec<Matrix3<f64>> = self.around.par_iter().with_min_len(1024).map(around).collect();
-        let flipped = |t: usize| {
-            let (Some((n, _)), Some((m, _))) = (self.normals[t], now[t]) else { return false };
-            let ring: Matrix3<f64> = surface.triangles[t].iter().map(|&v| rings[v as usize]).sum();
-            m.dot(&(polar(&ring).rotation * n)) < 0.0
+        let with_area: Vec<u32> = (0..surface.triangle_count())
+            .filter(|&t| self.normals[t].is_some() && now[t].is_some())
+            .map(|t| t as u32)
+            .collect();
+        let flipped = |triangles: &[u32]| {
+            let ring = |&t: &u32| surface.triangles[t as usize].iter().map(|&v| rings[v as usize]).sum();
+            let turns = rotations(&triangles.iter().map(ring).collect::<Vec<Matrix3<f64>>>());
+            let is_flipped = |(&t, turn): (&u32, &Matrix3<f64>)| {
+                let normals = self.normals[t as usize].zip(now[t as usize]);
+                normals.is_some_and(|((n, _), (m, _))| m.dot(&(turn * n)) < 0.0)
+            };
+            triangles.iter().zip(&turns).map(is_flipped).collect::<Vec<_>>()
         };
-        (0..surface.triangle_count()).into_par_iter().with_min_len(1024).map(flipped).collect()
+        let found: Vec<bool> = with_area.par_chunks(1024).flat_map_iter(flipped).collect();
+        let mut flipped = vec![false; surface.triangle_count()];
+        with_area.iter().zip(found).for_each(|(&t, found)| flipped[t as usize] = found);
+        flipped
     }
 
     /// The area at rest of flipped triangles, in percent of all.
