@@ -6,6 +6,7 @@
 //! nearer, and everything is summed in the order of points, so equal inputs give equal clusters.
 
 use mimesh_core::{Figures, random::Random, stage::Regions};
+use pulp::{Arch, NullaryFnOnce};
 
 use crate::{
     points::{Points, square_distance},
@@ -69,10 +70,29 @@ impl Kmeans {
         best
     }
 
-    fn from(&self, points: &Points, (mut centres, mut nearest): (Points, Vec<Nearest>)) -> Clustering {
+    fn from(&self, points: &Points, (centres, nearest): (Points, Vec<Nearest>)) -> Clustering {
+        Arch::new().dispatch(Iteration { points, centres, nearest, max_iterations: self.max_iterations })
+    }
+}
+
+/// Lloyd's iteration.
+struct Iteration<'a> {
+    points: &'a Points,
+    centres: Points,
+    nearest: Vec<Nearest>,
+    max_iterations: usize,
+}
+
+// Inlined, with all that takes time, into the function that the processor's instructions are chosen for.
+impl NullaryFnOnce for Iteration<'_> {
+    type Output = Clustering;
+
+    #[inline(always)]
+    fn call(self) -> Clustering {
+        let Self { points, mut centres, mut nearest, max_iterations } = self;
         let mut iterations = 0;
         let mut converged = false;
-        while !converged && iterations < self.max_iterations {
+        while !converged && iterations < max_iterations {
             iterations += 1;
             let moves = update(points, &mut centres, &mut nearest);
             converged = !assign(points, &centres, &mut nearest, &moves);
@@ -85,6 +105,7 @@ impl Kmeans {
 }
 
 /// Moves each centre to the mean of its cluster and returns how far.
+#[inline(always)]
 fn update(points: &Points, centres: &mut Points, nearest: &mut [Nearest]) -> Vec<f64> {
     let mut means = means(points, centres, nearest);
     while let Some(empty) = means.counts.iter().position(|&count| count == 0) {
@@ -105,6 +126,7 @@ struct Means {
     counts: Vec<usize>,
 }
 
+#[inline(always)]
 fn means(points: &Points, before: &Points, nearest: &[Nearest]) -> Means {
     let mut centres = before.like(before.len());
     let mut counts = vec![0; before.len()];
@@ -136,6 +158,7 @@ fn farthest(points: &Points, means: &Means, nearest: &[Nearest]) -> Option<usize
 }
 
 /// Gives each point to its nearest centre, after the centres have moved by `moves`; whether any point changed its cluster.
+#[inline(always)]
 fn assign(points: &Points, centres: &Points, nearest: &mut [Nearest], moves: &[f64]) -> bool {
     let gaps = half_gaps(centres);
     let largest = (0..moves.len()).max_by(|&a, &b| moves[a].total_cmp(&moves[b]).then(b.cmp(&a))).unwrap_or(0);

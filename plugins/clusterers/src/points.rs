@@ -27,20 +27,24 @@ impl Points {
         self.values.len() / self.stride
     }
 
+    #[inline(always)]
     pub(crate) fn row(&self, i: usize) -> &[f64] {
         &self.values[i * self.stride..][..self.stride]
     }
 
+    #[inline(always)]
     pub(crate) fn row_mut(&mut self, i: usize) -> &mut [f64] {
         &mut self.values[i * self.stride..][..self.stride]
     }
 
+    #[inline(always)]
     pub(crate) fn rows(&self) -> impl Iterator<Item = &[f64]> {
         self.values.chunks_exact(self.stride)
     }
 }
 
 /// ‖a − b‖² of rows.
+#[inline(always)]
 pub(crate) fn square_distance(a: &[f64], b: &[f64]) -> f64 {
     let mut sums = [0.0; LANES];
     for (a, b) in a.chunks_exact(LANES).zip(b.chunks_exact(LANES)) {
@@ -53,6 +57,7 @@ pub(crate) fn square_distance(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// ‖a − b‖² of rows, or some number of at least `limit` if it is that large: it stops adding when that is clear.
+#[inline(always)]
 pub(crate) fn square_distance_below(a: &[f64], b: &[f64], limit: f64) -> f64 {
     let mut sum = 0.0;
     for (a, b) in a.chunks(2 * LANES).zip(b.chunks(2 * LANES)) {

@@ -44,6 +44,7 @@ pub(crate) struct Nearest {
 
 impl Nearest {
     /// The nearest of all centres: `own` unless another is strictly nearer to `x`, then the first of the nearest.
+    #[inline(always)]
     pub(crate) fn among(x: &[f64], centres: &Points, own: u32) -> Self {
         let mut best = (own, square_distance_below(x, centres.row(own as usize), f64::INFINITY));
         let mut second = f64::INFINITY;

@@ -10,7 +10,7 @@
 //! where δ is the pose minus the rest, X̂ are rigid motions and ρ is small. The maps that minimise it for given rotations are
 //! X = X₀ + P (R − I), and the rotations for given maps are polar factors of (Ŝ + K X)_gᵀ.
 
-use mimesh_core::{Error, Result, operators::polar};
+use mimesh_core::{Error, Result, operators};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Matrix3};
 
 use crate::covariances::Covariances;
@@ -118,9 +118,10 @@ pub(crate) fn alternate(
     let mut energies = vec![energy.at(&maps, &moved, &rotations, goal)];
     let mut converged = energy.lambda == 0.0;
     while !converged && energies.len() <= stop.max_iterations {
-        for (g, (rotation, rest)) in rotations.iter_mut().zip(&energy.covariances.at_rest).enumerate() {
-            *rotation = polar(&(rest + moved.fixed_view::<3, 3>(3 * g, 0)).transpose()).rotation;
-        }
+        let at_rest = energy.covariances.at_rest.iter().enumerate();
+        let covariances: Vec<_> =
+            at_rest.map(|(g, rest)| (rest + moved.fixed_view::<3, 3>(3 * g, 0)).transpose()).collect();
+        rotations = operators::rotations(&covariances);
         maps = step(&rotations);
         moved = energy.covariances.of_maps.tr_mul(&maps);
         let (before, now) = (energies[energies.len() - 1], energy.at(&maps, &moved, &rotations, goal));

@@ -13,6 +13,7 @@ use faer::{
 };
 use mimesh_core::{Error, Result, stage::HandleWeights};
 use nalgebra::{DMatrix, Matrix3, Point3, Vector3};
+use pulp::{Arch, NullaryFnOnce};
 
 use crate::edges::Edges;
 
@@ -70,18 +71,8 @@ impl HandleSpace {
 
     /// Mᵀ (`factor` L + D), 4h × #V, with the diagonal D.
     pub(crate) fn laplacian(&self, edges: &Edges, factor: f64, diagonal: &[f64]) -> DMatrix<f64> {
-        let size = self.size();
-        let row = |i: usize| &self.rows.as_slice()[i * size..][..size];
-        let mut result = DMatrix::zeros(size, self.rows.ncols());
-        for (i, (out, d)) in result.as_mut_slice().chunks_exact_mut(size).zip(diagonal).enumerate() {
-            let mut sum = *d;
-            for &(j, w) in edges.of(i) {
-                let w = factor * w;
-                sum += w;
-                out.iter_mut().zip(row(j as usize)).for_each(|(out, m)| *out -= w * m);
-            }
-            out.iter_mut().zip(row(i)).for_each(|(out, m)| *out += sum * m);
-        }
+        let mut result = DMatrix::zeros(self.size(), self.rows.ncols());
+        Arch::new().dispatch(Laplacian { rows: &self.rows, edges, factor, diagonal, result: &mut result });
         result
     }
 
@@ -111,6 +102,44 @@ impl HandleSpace {
         let linear = x.fixed_view::<3, 3>(4 * k, 0).transpose() / self.radii[k];
         let shift = x.fixed_view::<1, 3>(4 * k + 3, 0).transpose() - linear * self.centres[k].coords;
         (Matrix3::identity() + linear, shift)
+    }
+}
+
+/// `result` += Mᵀ (`factor` L + D).
+struct Laplacian<'a> {
+    rows: &'a DMatrix<f64>,
+    edges: &'a Edges,
+    factor: f64,
+    diagonal: &'a [f64],
+    result: &'a mut DMatrix<f64>,
+}
+
+// Inlined into the function that the processor's instructions are chosen for.
+impl NullaryFnOnce for Laplacian<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Self { rows, edges, factor, diagonal, result } = self;
+        let size = rows.nrows();
+        let columns = result.as_mut_slice().chunks_exact_mut(size).zip(rows.as_slice().chunks_exact(size));
+        for (i, ((out, own), d)) in columns.zip(diagonal).enumerate() {
+            let mut sum = *d;
+            for &(j, w) in edges.of(i) {
+                let w = factor * w;
+                sum += w;
+                add(-w, &rows.as_slice()[j as usize * size..][..size], out);
+            }
+            add(sum, own, out);
+        }
+    }
+}
+
+/// `to` += `factor` × `row`.
+#[inline(always)]
+pub(crate) fn add(factor: f64, row: &[f64], to: &mut [f64]) {
+    for (to, m) in to.iter_mut().zip(row) {
+        *to += factor * m;
     }
 }
 

@@ -1,6 +1,10 @@
 //! Rigid motions nearest to a pose: of the whole surface, of each handle, of each region.
 
-use mimesh_core::{mesh::diagonal, operators::polar, stage::Regions};
+use mimesh_core::{
+    mesh::diagonal,
+    operators::{polar, rotations},
+    stage::Regions,
+};
 use nalgebra::{DMatrix, Matrix3, Point3, Vector3};
 
 use crate::handle_space::HandleSpace;
@@ -65,12 +69,11 @@ impl RestShape {
             *covariance += q * p.transpose();
         }
         let whole = self.spread * (WHOLE_SHARE / self.centred.len() as f64);
-        sums.into_iter()
-            .map(|(count, rest, moved, covariance)| {
-                let own = covariance - moved * rest.transpose() / f64::max(count, 1.0);
-                polar(&(own + whole * (WHOLE_SHARE * count))).rotation
-            })
-            .collect()
+        let covariances = sums.into_iter().map(|(count, rest, moved, covariance)| {
+            let own = covariance - moved * rest.transpose() / f64::max(count, 1.0);
+            own + whole * (WHOLE_SHARE * count)
+        });
+        rotations(&covariances.collect::<Vec<_>>())
     }
 }
 
@@ -129,24 +132,25 @@ impl HandleShapes {
 
     /// X of the best rigid motion of each handle, 4h × 3, for `projected` = Mᵀ D δ.
     pub(crate) fn rigid(&self, space: &HandleSpace, projected: &DMatrix<f64>) -> DMatrix<f64> {
-        let mut result = DMatrix::zeros(space.size(), 3);
-        for (k, shape) in self.shapes.iter().enumerate() {
-            if shape.mass <= 0.0 {
-                // Moves nothing, or with unbounded weights more against than along: the motion of the whole will do.
-                continue;
-            }
-            let mass = shape.mass + shape.floor;
-            let radius = space.radii[k];
+        // What moves nothing, or with unbounded weights more against than along: the motion of the whole will do.
+        let moving: Vec<usize> = (0..self.shapes.len()).filter(|&k| self.shapes[k].mass > 0.0).collect();
+        let moved = |k: usize| projected.fixed_view::<1, 3>(4 * k + 3, 0).into_owned();
+        let covariance = |&k: &usize| {
+            let (shape, radius) = (&self.shapes[k], space.radii[k]);
             let turned = projected.fixed_view::<3, 3>(4 * k, 0).into_owned();
-            let moved = projected.fixed_view::<1, 3>(4 * k + 3, 0).into_owned();
             // Σ d w (x − x̄)(q − q̄)ᵀ with q = s x + δ.
-            let covariance = shape.spread * radius + turned - shape.first * moved / mass;
+            let covariance = shape.spread * radius + turned - shape.first * moved(k) / (shape.mass + shape.floor);
             let still = (WHOLE_SHARE * shape.spread.trace().abs() + shape.floor) * radius;
-            let rotation = polar(&(covariance.transpose() + Matrix3::identity() * still)).rotation;
-            let turn = (rotation - Matrix3::identity()) * radius;
+            covariance.transpose() + Matrix3::identity() * still
+        };
+        let rotations = rotations(&moving.iter().map(covariance).collect::<Vec<_>>());
+        let mut result = DMatrix::zeros(space.size(), 3);
+        for (&k, rotation) in moving.iter().zip(&rotations) {
+            let (shape, mass) = (&self.shapes[k], self.shapes[k].mass + self.shapes[k].floor);
+            let turn = (rotation - Matrix3::identity()) * space.radii[k];
             let mean = shape.first / mass;
             result.fixed_view_mut::<3, 3>(4 * k, 0).copy_from(&turn.transpose());
-            result.fixed_view_mut::<1, 3>(4 * k + 3, 0).copy_from(&(moved / mass - (turn * mean).transpose()));
+            result.fixed_view_mut::<1, 3>(4 * k + 3, 0).copy_from(&(moved(k) / mass - (turn * mean).transpose()));
         }
         result
     }

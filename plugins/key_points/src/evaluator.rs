@@ -2,7 +2,7 @@
 
 use mimesh_core::{
     Error, Result,
-    stage::{BoundClusterer, BoundDeformer, BoundWeights},
+    stage::{BoundClusterer, BoundDeformer, BoundWeights, HandleWeights},
 };
 use nalgebra::Point3;
 
@@ -33,9 +33,13 @@ pub struct Evaluator<'a> {
 
 impl Evaluator<'_> {
     pub fn error(&self, handles: &[usize]) -> Result<f64> {
-        let weights = self.weights.solve(handles)?;
+        self.error_of(&self.weights.solve(handles)?)
+    }
+
+    /// The error with weights that are known.
+    pub fn error_of(&self, weights: &HandleWeights) -> Result<f64> {
         let regions = self.regions.cluster(&weights.matrix)?;
-        let skin = self.deformer.skin(&weights, &regions)?;
+        let skin = self.deformer.skin(weights, &regions)?;
         let mut total = 0.0;
         for pose in self.poses {
             let fit = skin.fit(pose)?;

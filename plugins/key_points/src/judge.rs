@@ -5,7 +5,10 @@ use std::{
     sync::atomic::{AtomicUsize, Ordering},
 };
 
-use mimesh_core::{Error, Result, stage::ChoiceWatch};
+use mimesh_core::{
+    Error, Result,
+    stage::{ChoiceWatch, HandleWeights},
+};
 use rayon::prelude::*;
 
 use crate::evaluator::Evaluator;
@@ -15,6 +18,9 @@ pub const ROUNDING: f64 = 1e-12;
 
 /// An exchange that ranks worse than the present set by more than this part is not worth the cost of judging it.
 const RANKING_SLACK: f64 = 0.02;
+
+/// Sets whose weights are solved for together: enough to fill the lanes of a factorisation, few enough for memory.
+const TOGETHER: usize = 8;
 
 /// A set of handles to judge.
 #[derive(Clone)]
@@ -149,15 +155,23 @@ impl<'a> Judge<'a> {
     /// The trials with their errors; without those that an interrupt leaves out.
     fn errors(&self, evaluator: &Evaluator<'_>, trials: &[Trial]) -> Vec<(Trial, Result<f64>)> {
         let done = AtomicUsize::new(0);
-        let error = |trial: &Trial| {
+        let error = |(trial, weights): (&Trial, Result<HandleWeights>)| {
             if self.watch.is_interrupted() {
                 return None;
             }
-            let error = evaluator.error(&trial.handles);
+            let error = weights.and_then(|weights| evaluator.error_of(&weights));
             self.watch.progress(done.fetch_add(1, Ordering::Relaxed) + 1, trials.len());
             Some((trial.clone(), error))
         };
-        trials.par_iter().filter_map(error).collect()
+        let of_some = |some: &[Trial]| -> Vec<(Trial, Result<f64>)> {
+            if self.watch.is_interrupted() {
+                return vec![];
+            }
+            let sets: Vec<&[usize]> = some.iter().map(|trial| &*trial.handles).collect();
+            let weights = evaluator.weights.solve_all(&sets);
+            some.par_iter().zip(weights).filter_map(error).collect()
+        };
+        trials.chunks(TOGETHER.max(rayon::current_num_threads())).flat_map(of_some).collect()
     }
 }
 

@@ -123,6 +123,8 @@ impl<'a> Search<'a> {
 
     /// The second stage: exchanges single points until no exchange helps.
     pub fn exchange(&mut self, max_rounds: usize) -> Exchanged {
+        // Places tried since the last exchange.
+        let mut unchanged = 0;
         for round in 0..max_rounds {
             let before = self.error;
             // The set as it is gives the measure of what ranks well enough to be judged.
@@ -131,11 +133,17 @@ impl<'a> Search<'a> {
                 if self.watch.is_interrupted() {
                     return Exchanged { rounds: round, is_cut_short: false };
                 }
+                // Every place was tried with this very set.
+                if unchanged == self.chosen.len() {
+                    return Exchanged { rounds: round, is_cut_short: false };
+                }
+                unchanged += 1;
                 let trials = self.exchanges(place);
                 if let Some((trial, error)) = self.judge.best_exchange(trials, worst)
                     && self.is_less(error)
                 {
                     self.take(trial.handles, error, true);
+                    unchanged = 0;
                     worst = self.judge.worst_to_judge(&self.chosen);
                 }
             }

@@ -89,6 +89,34 @@ fn bounded_weights_fulfil_the_conditions_of_the_minimum() {
 }
 
 #[test]
+fn several_choices_of_handles_have_the_weights_that_each_has_alone() {
+    let surface = uneven_bar();
+    let points: Vec<_> = (0..24).map(|k| SurfacePoint::Vertex(3 * k)).collect();
+    let choices: [&[usize]; 5] =
+        [&[0, 5, 9, 14, 20], &[1, 2, 3, 4, 6, 7, 8, 11, 13, 17, 23], &[4, 4], &[20, 14, 9, 5, 0], &[2, 19]];
+    for settings in [
+        r#"{ "type": "bounded_biharmonic" }"#,
+        r#"{ "type": "bounded_biharmonic", "normalize": "exact" }"#,
+        r#"{ "type": "bounded_biharmonic", "solver": "active_sets" }"#,
+        r#"{ "type": "harmonic" }"#,
+    ] {
+        let bound = stage(settings).bind(&surface, &points, None).unwrap();
+        let together = bound.solve_all(&choices);
+        assert_eq!(together.len(), choices.len());
+        for (choice, found) in choices.into_iter().zip(together) {
+            match (bound.solve(choice), found) {
+                (Ok(alone), Ok(found)) => {
+                    assert!(alone.matrix == found.matrix, "{settings}: {choice:?}");
+                    assert_eq!(alone.figures.values, found.figures.values);
+                }
+                (alone, found) => assert_eq!(alone.unwrap_err().to_string(), found.unwrap_err().to_string()),
+            }
+        }
+        assert!(bound.solve_all(&[]).is_empty());
+    }
+}
+
+#[test]
 fn bounded_weights_are_those_of_plain_coordinate_descent() {
     let surface = uneven_bar();
     let q = dense_bilaplacian(&surface);

@@ -1,6 +1,7 @@
 use std::fmt::Debug;
 
 use nalgebra::DMatrix;
+use rayon::prelude::*;
 
 use super::ProximityGraph;
 use crate::{
@@ -45,6 +46,11 @@ pub trait BoundWeights: Debug + Send + Sync {
     /// [`Error::Data`](crate::Error::Data) if there is no handle, if two are the same or lie on the same vertex, or if a
     /// component is reached by none; it names them.
     fn solve(&self, handles: &[usize]) -> Result<HandleWeights>;
+
+    /// [`solve`](Self::solve) for each of several choices of handles; the same weights, which it may find at a lower price.
+    fn solve_all(&self, choices: &[&[usize]]) -> Vec<Result<HandleWeights>> {
+        choices.par_iter().map(|handles| self.solve(handles)).collect()
+    }
 
     /// The report of binding.
     fn figures(&self) -> Figures;

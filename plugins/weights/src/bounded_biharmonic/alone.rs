@@ -3,9 +3,10 @@
 use rayon::prelude::*;
 
 use super::{
-    Bound, Solved, Solver, Task,
+    Bound, BoundedBiharmonic, Part, Solved, Solver, Task,
     active_sets::{Support, SupportProgram},
     coarse::Coarse,
+    lanes::LaneHandle,
     level::Level,
     qp::Minimum,
 };
@@ -24,15 +25,31 @@ const SUSPECT_GAP: f64 = 1e-2;
 /// edges ended 1e-4 above the least energy. Triangles of the least height that counts stay below.
 const EXTREME_WEIGHT: f64 = 1000.0;
 
+/// How the handles of a group are solved for alone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Method {
+    /// Active sets on supports.
+    ActiveSets,
+    /// The interior point for several handles at once.
+    Lanes,
+    /// The interior point for each handle.
+    Plain,
+}
+
 impl Solver {
-    /// Whether a group with this energy is solved by active sets.
-    pub fn uses_active_sets(self, energy: &Bilaplacian) -> bool {
-        let is_wanted = match self {
-            Self::Automatic => energy.inverse_mass.len() >= MANY_VERTICES,
+    /// The method for a group with this energy.
+    pub fn method(self, energy: &Bilaplacian) -> Method {
+        let is_large = energy.inverse_mass.len() >= MANY_VERTICES;
+        let wants_active_sets = match self {
+            Self::Automatic => is_large,
             Self::ActiveSets => true,
             Self::InteriorPoint => false,
         };
-        is_wanted && !has_extreme_weights(energy)
+        match (wants_active_sets && !has_extreme_weights(energy), is_large) {
+            (true, _) => Method::ActiveSets,
+            (false, true) => Method::Plain,
+            (false, false) => Method::Lanes,
+        }
     }
 }
 
@@ -64,22 +81,46 @@ impl<'a> Supports<'a> {
 }
 
 impl Bound {
-    /// Solves for each handle alone, in parallel.
-    pub(super) fn solve_alone(&self, tasks: &[Task<'_>]) -> Vec<Solved> {
-        let of_task = |task: &Task<'_>| match &task.supports {
-            Some(supports) => self.by_active_sets(task, supports),
-            None => {
+    /// Solves for each handle of each task alone, in parallel.
+    pub(super) fn solve_alone(&self, tasks: &[&Task<'_>]) -> Vec<Vec<Solved>> {
+        let mut in_lanes = self.in_lanes(tasks);
+        let of_task = |task: &&Task<'_>| match (&task.supports, task.lanes) {
+            (Some(supports), _) => self.by_active_sets(task, supports),
+            (None, Some(_)) => vec![],
+            (None, None) => {
                 let handles = (0..task.handles.len()).into_par_iter();
                 handles.map(|k| self.by_interior_point(task, k, self.settings.max_iterations)).collect()
             }
         };
-        let solved: Vec<Vec<Solved>> = tasks.par_iter().map(of_task).collect();
-        solved.into_iter().flatten().collect()
+        let mut solved: Vec<Vec<Solved>> = tasks.par_iter().map(of_task).collect();
+        for (task, solved) in tasks.iter().zip(&mut solved).filter(|(task, _)| task.lanes.is_some()) {
+            let minima = in_lanes[task.group].by_ref().take(task.handles.len());
+            solved.extend(minima.enumerate().map(|(k, minimum)| self.solved(task, k, minimum)));
+        }
+        solved
+    }
+
+    /// For each group the minima of all handles that are solved for in lanes, in the order of tasks.
+    fn in_lanes(&self, tasks: &[&Task<'_>]) -> Vec<std::vec::IntoIter<Minimum>> {
+        let BoundedBiharmonic { tolerance, max_iterations, .. } = self.settings;
+        let mut handles = vec![Vec::new(); self.parts.len()];
+        for task in tasks.iter().filter(|task| task.lanes.is_some()) {
+            let each = task.vertices.iter().map(|&unknown| LaneHandle { program: &task.program, unknown });
+            handles[task.group].extend(each);
+        }
+        let of_group = |(part, handles): (&Option<Part>, &Vec<LaneHandle<'_>>)| {
+            let lanes = part.as_ref().and_then(|part| part.lanes.as_ref());
+            lanes.map_or_else(Vec::new, |lanes| lanes.minimise(handles, tolerance, max_iterations)).into_iter()
+        };
+        self.parts.par_iter().zip(&handles).map(of_group).collect()
     }
 
     fn by_interior_point(&self, task: &Task<'_>, k: usize, max_iterations: usize) -> Solved {
-        let Minimum { x, energy, gap, iterations } =
-            task.program.minimise(&self.unbounded(task, k), self.settings.tolerance, max_iterations);
+        self.solved(task, k, task.program.minimise(&self.unbounded(task, k), self.settings.tolerance, max_iterations))
+    }
+
+    fn solved(&self, task: &Task<'_>, k: usize, minimum: Minimum) -> Solved {
+        let Minimum { x, energy, gap, iterations } = minimum;
         let relative_gap = gap / energy.max(f64::MIN_POSITIVE);
         let is_solved = relative_gap <= self.settings.tolerance;
         Solved {

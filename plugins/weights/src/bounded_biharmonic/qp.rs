@@ -13,7 +13,7 @@ use mimesh_core::{Result, linalg::Cholesky};
 use crate::bilaplacian::Bilaplacian;
 
 /// The start keeps this distance from the bounds.
-const MARGIN: f64 = 0.05;
+pub(super) const MARGIN: f64 = 0.05;
 
 /// The part of the way to the nearest bound that a step goes at most.
 pub(super) const MAX_STEP_TO_BOUND: f64 = 0.995;
@@ -25,7 +25,7 @@ pub(super) const MAX_STALLED_STEPS: usize = 8;
 const MAX_CORRECTORS: usize = 1;
 
 /// How much longer than the last step a further corrector aims to make its step.
-const STEP_INCREASE: f64 = 0.3;
+pub(super) const STEP_INCREASE: f64 = 0.3;
 
 /// min ½ xᵀ Q x over 0 ≤ x ≤ 1, where some unknowns are held.
 #[derive(Debug)]
