@@ -59,15 +59,17 @@ impl Blocks {
             begin = end;
         }
         let columns: Vec<usize> = (0..n).step_by(CHUNK).collect();
-        let chunk = |&first: &usize| {
-            let mut sums = Chunk { place: vec![u32::MAX; n - first], ..Chunk::default() };
+        let chunk = |room: &mut Room, &first: &usize| {
+            let mut sums = Chunk::default();
             for j in first..(first + CHUNK).min(n) {
                 let own = &places[starts[j] as usize..starts[j + 1] as usize];
-                self.sum_column(first, j, own, &mut sums);
+                self.sum_column(j, own, room, &mut sums);
             }
             sums
         };
-        let chunks: Vec<Chunk> = columns.par_iter().map(chunk).collect();
+        // A thread keeps its room: one for each chunk would take memory with the square of n.
+        let room = || Room { place: vec![u32::MAX; n], column: vec![] };
+        let chunks: Vec<Chunk> = columns.par_iter().map_init(room, chunk).collect();
         let mut offsets = Vec::with_capacity(n + 1);
         offsets.push(0);
         let count = chunks.iter().map(|chunk| chunk.rows.len()).sum();
@@ -82,12 +84,12 @@ impl Blocks {
             .expect("columns are sorted and each row is there once")
     }
 
-    /// Column `j`, of a chunk from column `first` on, given the members that are its unknown.
-    fn sum_column(&self, first: usize, j: usize, own: &[(u32, u32)], sums: &mut Chunk) {
-        let Chunk { place, rows, values, ends, column } = sums;
+    /// Column `j`, given the members that are its unknown.
+    fn sum_column(&self, j: usize, own: &[(u32, u32)], room: &mut Room, sums: &mut Chunk) {
+        let (Room { place, column }, Chunk { rows, values, ends }) = (room, sums);
         column.clear();
         column.push((j, 0.0));
-        place[j - first] = 0;
+        place[j] = 0;
         for &(block, member) in own {
             let begin = if block == 0 { 0 } else { self.blocks[block as usize - 1].0 };
             let (end, weight) = self.blocks[block as usize];
@@ -98,7 +100,7 @@ impl Blocks {
                     continue;
                 }
                 let product = weight * (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]);
-                let place = &mut place[i - first];
+                let place = &mut place[i];
                 if *place == u32::MAX {
                     *place = column.len() as u32;
                     column.push((i, product));
@@ -107,7 +109,7 @@ impl Blocks {
                 }
             }
         }
-        column.iter().for_each(|&(i, _)| place[i - first] = u32::MAX);
+        column.iter().for_each(|&(i, _)| place[i] = u32::MAX);
         column.sort_unstable_by_key(|&(i, _)| i);
         rows.extend(column.iter().map(|&(i, _)| i));
         values.extend(column.iter().map(|&(_, value)| value));
@@ -118,11 +120,15 @@ impl Blocks {
 /// Some columns of the sum.
 #[derive(Default)]
 struct Chunk {
-    /// For each row its place in the present column.
-    place: Vec<u32>,
     rows: Vec<usize>,
     values: Vec<f64>,
     ends: Vec<usize>,
+}
+
+/// What the sum of a column needs.
+struct Room {
+    /// For each row its place in the column; the largest number where it has none.
+    place: Vec<u32>,
     column: Vec<(usize, f64)>,
 }
 

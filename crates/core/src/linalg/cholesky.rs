@@ -3,20 +3,17 @@ use std::{fmt, sync::Arc};
 use dyn_stack::{MemBuffer, MemStack};
 use faer::{
     Conj, MatMut, Par, Side,
-    sparse::{
-        SparseColMatRef, SymbolicSparseColMatRef,
-        linalg::{
-            SupernodalThreshold,
-            cholesky::{
-                CholeskySymbolicParams, LltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
-                factorize_symbolic_cholesky,
-                supernodal::{SupernodalLltRef, factorize_supernodal_numeric_llt},
-            },
+    sparse::linalg::{
+        SupernodalThreshold,
+        cholesky::{
+            LltRef, SymbolicCholesky, SymbolicCholeskyRaw,
+            supernodal::{SupernodalLltRef, factorize_supernodal_numeric_llt},
         },
     },
 };
 use nalgebra_sparse::CscMatrix;
 
+use super::symbolic::{analyse, analyse_in_given_order, singular, view};
 use crate::{Error, Result};
 
 /// A sparse Cholesky factorisation A = L Lᵀ, ordered by approximate minimum degree.
@@ -76,7 +73,7 @@ impl Cholesky {
     ///
     /// [`Error::Singular`] if the matrix is not positive definite.
     pub fn new(lower: CscMatrix<f64>, what: &'static str) -> Result<Self> {
-        Self::with_parameters(lower, what, CholeskySymbolicParams::default())
+        Self::with_threshold(lower, what, SupernodalThreshold::AUTO)
     }
 
     /// Like [`new`](Self::new), for a matrix whose values will change often: columns are gathered into dense blocks whatever the
@@ -89,9 +86,7 @@ impl Cholesky {
     ///
     /// The errors of [`new`](Self::new).
     pub fn for_refactoring(lower: CscMatrix<f64>, what: &'static str) -> Result<Self> {
-        let supernodal_flop_ratio_threshold = SupernodalThreshold::FORCE_SUPERNODAL;
-        let parameters = CholeskySymbolicParams { supernodal_flop_ratio_threshold, ..Default::default() };
-        Self::with_parameters(lower, what, parameters)
+        Self::with_threshold(lower, what, SupernodalThreshold::FORCE_SUPERNODAL)
     }
 
     /// Like [`for_refactoring`](Self::for_refactoring), with unknowns eliminated in the order they stand in: for parts of a matrix
@@ -103,28 +98,15 @@ impl Cholesky {
     ///
     /// The errors of [`new`](Self::new).
     pub fn in_given_order(lower: CscMatrix<f64>, what: &'static str) -> Result<Self> {
-        let supernodal_flop_ratio_threshold = SupernodalThreshold::FORCE_SUPERNODAL;
-        let parameters = CholeskySymbolicParams { supernodal_flop_ratio_threshold, ..Default::default() };
-        let n = lower.ncols();
-        // Without a permutation faer reads the upper triangle.
-        let upper = lower.pattern().transpose();
-        let pattern = SymbolicSparseColMatRef::new_checked(n, n, upper.major_offsets(), None, upper.minor_indices());
-        let symbolic = factorize_symbolic_cholesky(pattern, Side::Upper, SymmetricOrdering::Identity, parameters)
-            .map_err(|error| Error::Other(format!("{what}: {error:?}").into()))?;
+        let symbolic = analyse_in_given_order(&lower, what)?;
         let factor = vec![0.0; symbolic.len_val()];
         let mut result = Self { symbolic: Arc::new(symbolic), factor, matrix: lower, reordered: None, what };
         result.factor_numerically()?;
         Ok(result)
     }
 
-    fn with_parameters(
-        lower: CscMatrix<f64>,
-        what: &'static str,
-        parameters: CholeskySymbolicParams<'_>,
-    ) -> Result<Self> {
-        let pattern = view(&lower);
-        let symbolic = factorize_symbolic_cholesky(pattern.symbolic(), Side::Lower, SymmetricOrdering::Amd, parameters)
-            .map_err(|error| Error::Other(format!("{what}: {error:?}").into()))?;
+    fn with_threshold(lower: CscMatrix<f64>, what: &'static str, threshold: SupernodalThreshold) -> Result<Self> {
+        let symbolic = analyse(&lower, threshold, what)?;
         let factor = vec![0.0; symbolic.len_val()];
         let reordered = match (symbolic.raw(), symbolic.perm()) {
             (SymbolicCholeskyRaw::Supernodal(_), Some(order)) => Some(Reordered::new(&lower, order.arrays().1)),
@@ -306,18 +288,6 @@ impl fmt::Debug for Cholesky {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "Cholesky({}: n = {}, {} entries)", self.what, self.size(), self.factor.len())
     }
-}
-
-/// The error of a matrix that is not positive definite.
-pub(super) fn singular(what: &'static str) -> Error {
-    Error::Singular { what, hint: "look for parts of the mesh without area or without any tie to the rest".into() }
-}
-
-/// The same arrays as faer sees them; no copy.
-fn view(matrix: &CscMatrix<f64>) -> SparseColMatRef<'_, usize, f64> {
-    let (starts, rows, values) = matrix.csc_data();
-    let pattern = SymbolicSparseColMatRef::new_checked(matrix.nrows(), matrix.ncols(), starts, None, rows);
-    SparseColMatRef::new(pattern, values)
 }
 
 #[cfg(test)]

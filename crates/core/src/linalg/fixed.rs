@@ -1,6 +1,6 @@
 use nalgebra_sparse::{CooMatrix, CscMatrix};
 
-use super::{Blocks, Cholesky, cholesky::singular, multifrontal::Multifrontal};
+use super::{Blocks, Cholesky, multifrontal::Multifrontal, symbolic::singular};
 use crate::Result;
 
 /// Minimises ½ xᵀ A x − bᵀ x where some unknowns are held at given values; factored once, solved often.

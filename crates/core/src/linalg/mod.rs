@@ -11,6 +11,7 @@ mod cholesky;
 mod fixed;
 mod lanes;
 mod multifrontal;
+mod symbolic;
 
 pub use assembly::Assembly;
 pub use blocks::{Blocks, OuterSum};

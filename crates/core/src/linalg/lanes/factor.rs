@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use pulp::{Arch, NullaryFnOnce};
 
-use super::{super::cholesky::singular, LanePattern, pattern::Update};
+use super::{super::symbolic::singular, LanePattern, pattern::Update};
 use crate::{Error, Result};
 
 /// Cholesky factorisations A = L Lᵀ of `N` matrices of one pattern, one in each lane.

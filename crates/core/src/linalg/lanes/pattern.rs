@@ -1,17 +1,9 @@
 //! The pattern of a symmetric matrix and of its factor.
 
-use faer::{
-    Side,
-    sparse::{
-        SymbolicSparseColMatRef,
-        linalg::{
-            SupernodalThreshold,
-            cholesky::{CholeskySymbolicParams, SymbolicCholeskyRaw, SymmetricOrdering, factorize_symbolic_cholesky},
-        },
-    },
-};
+use faer::sparse::linalg::{SupernodalThreshold, cholesky::SymbolicCholeskyRaw};
 use nalgebra_sparse::CscMatrix;
 
+use super::super::symbolic::analyse;
 use crate::{Error, Result};
 
 /// The most columns that update another one together: each entry of the column is then loaded and stored once for all of them.
@@ -52,14 +44,7 @@ impl LanePattern {
     /// [`Error::Other`] if the factor has more than 2³² entries.
     pub fn new(lower: &CscMatrix<f64>, what: &'static str) -> Result<Self> {
         let n = lower.ncols();
-        let (starts, rows, _) = lower.csc_data();
-        let pattern = SymbolicSparseColMatRef::new_checked(n, n, starts, None, rows);
-        let parameters = CholeskySymbolicParams {
-            supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SIMPLICIAL,
-            ..Default::default()
-        };
-        let symbolic = factorize_symbolic_cholesky(pattern, Side::Lower, SymmetricOrdering::Amd, parameters)
-            .map_err(|error| Error::Other(format!("{what}: {error:?}").into()))?;
+        let symbolic = analyse(lower, SupernodalThreshold::FORCE_SIMPLICIAL, what)?;
         let SymbolicCholeskyRaw::Simplicial(simplicial) = symbolic.raw() else {
             unreachable!("a simplicial factorisation was asked for")
         };

@@ -8,16 +8,7 @@ mod solve;
 
 use std::{fmt, ops::Range, sync::Arc};
 
-use faer::{
-    Side,
-    sparse::{
-        SymbolicSparseColMatRef,
-        linalg::{
-            SupernodalThreshold,
-            cholesky::{CholeskySymbolicParams, SymbolicCholeskyRaw, SymmetricOrdering, factorize_symbolic_cholesky},
-        },
-    },
-};
+use faer::sparse::linalg::{SupernodalThreshold, cholesky::SymbolicCholeskyRaw};
 use nalgebra_sparse::CscMatrix;
 use pulp::{Arch, NullaryFnOnce};
 
@@ -25,6 +16,7 @@ use self::{
     fronts::{Front, Fronts, Segment},
     kernel::Dense,
 };
+use super::symbolic::analyse;
 use crate::{Error, Result};
 
 /// A sparse Cholesky factorisation A = L Lᵀ whose values change often, ordered by approximate minimum degree.
@@ -53,18 +45,13 @@ impl Multifrontal {
     ///
     /// [`Error::Other`] if the pattern cannot be analysed.
     pub fn new(lower: &CscMatrix<f64>, what: &'static str) -> Result<Self> {
-        let (starts, rows, _) = lower.csc_data();
-        let pattern = SymbolicSparseColMatRef::new_checked(lower.nrows(), lower.ncols(), starts, None, rows);
-        let supernodal_flop_ratio_threshold = SupernodalThreshold::FORCE_SUPERNODAL;
-        let parameters = CholeskySymbolicParams { supernodal_flop_ratio_threshold, ..Default::default() };
-        let symbolic = factorize_symbolic_cholesky(pattern, Side::Lower, SymmetricOrdering::Amd, parameters)
-            .map_err(|error| Error::Other(format!("{what}: {error:?}").into()))?;
+        let symbolic = analyse(lower, SupernodalThreshold::FORCE_SUPERNODAL, what)?;
         let (SymbolicCholeskyRaw::Supernodal(supernodes), Some(order)) = (symbolic.raw(), symbolic.perm()) else {
             return Err(Error::Other(format!("{what}: no supernodes").into()));
         };
         let fronts = Fronts::new(lower, supernodes, order.arrays().0);
         let values = vec![0.0; fronts.size];
-        Ok(Self { fronts: Arc::new(fronts), values, column_starts: starts.into() })
+        Ok(Self { fronts: Arc::new(fronts), values, column_starts: lower.col_offsets().into() })
     }
 
     /// Number of values of the factor.
