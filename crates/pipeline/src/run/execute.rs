@@ -9,13 +9,7 @@ use mimesh_markers::IntoDiagnostic;
 use rayon::prelude::*;
 use serde_json::Value;
 
-use super::{
-    measure::Measurer,
-    poses::{PoseRunner, Stream},
-    shapes::Shapes,
-    stages::Stages,
-    written,
-};
+use super::{measure::Measurer, poses::PoseRunner, shapes::Shapes, stages::Stages, stream::Stream, written};
 use crate::{
     cache::{Cache, LastRun},
     input::{InputFile, Prepared},
@@ -100,9 +94,9 @@ fn execute(prepared: &Prepared, plan: &Plan, cache: Option<&Cache>, progress: &d
     let measurer =
         Measurer { prepared, metrics: &metrics, measured: measured.as_deref(), thumbnails: thumbnails.as_ref() };
     let shapes = Shapes::new(prepared, &stages);
-    let runner = PoseRunner { prepared, stages: &stages, measurer: &measurer, shapes: &shapes, progress };
+    let runner = PoseRunner { prepared, stages: &stages, measurer: &measurer, shapes: &shapes };
     let clock = Clock::start();
-    let Stream { poses, failed, files, mut warnings } = runner.stream()?;
+    let Stream { poses, failed, files, mut warnings } = Stream::run(&runner, progress)?;
     warnings.extend(shapes.warning());
     drop(metrics);
     staged.extend(files);

@@ -3,10 +3,12 @@
 mod execute;
 mod files;
 mod measure;
+mod pose_steps;
 mod poses;
 mod schedule;
 mod shapes;
 mod stages;
+mod stream;
 mod written;
 
 pub use execute::{Finished, run};

@@ -1,0 +1,99 @@
+//! All poses of a run in a stream, so that memory does not grow with their number.
+
+use std::sync::Mutex;
+
+use mimesh_document::{Diagnostic, Kind, diagnostic};
+use mimesh_markers::IntoDiagnostic;
+
+use super::{
+    files::{SequenceFile, warnings_of_pose_files},
+    pose_steps::{PoseOutput, PoseSteps},
+    poses::PoseRunner,
+    schedule::Schedule,
+    stages::Stages,
+};
+use crate::{input::PoseInput, progress::Progress, report::PoseReport, staging::Staged};
+
+/// Frames of one motion that are read side by side.
+const FRAMES_AT_ONCE: usize = 8;
+
+/// The results of all poses.
+#[derive(Debug, Default)]
+pub(super) struct Stream {
+    /// The poses in order.
+    pub poses: Vec<PoseReport>,
+    /// Diagnostics of the poses that failed.
+    pub failed: Vec<Diagnostic>,
+    /// The results, in temporary files.
+    pub files: Vec<Staged>,
+    /// Sentences about single poses.
+    pub warnings: Vec<String>,
+}
+
+impl Stream {
+    /// Sends all poses of `runner` through and tells `progress` of each.
+    ///
+    /// # Errors
+    ///
+    /// If a result cannot be written, or the transfer cannot be bound; poses that fail on their own are in the result.
+    pub fn run(runner: &PoseRunner<'_>, progress: &dyn Progress) -> diagnostic::Result<Self> {
+        let mut stream = Self::default();
+        let mut sequences = SequenceFile::all(runner.prepared).map_err(IntoDiagnostic::into_diagnostic)?;
+        let poses = &runner.prepared.poses;
+        let (at_once, in_order) = batches(runner.stages)?;
+        let schedule = Schedule { count: poses.len(), batch: at_once, in_order };
+        schedule.run(&PoseSteps { runner, motion: Mutex::new(None) }, |i, posed, output| {
+            let pose = &poses[i];
+            progress.pose_done();
+            match (posed, output) {
+                (Ok(posed), Ok(output)) => {
+                    for sequence in &mut sequences {
+                        sequence.add(pose, &posed.target.positions)?;
+                    }
+                    stream.add(pose, output);
+                }
+                (Err(diagnostic), _) => stream.fail(pose, diagnostic.clone())?,
+                (_, Err(diagnostic)) => stream.fail(pose, diagnostic)?,
+            }
+            Ok(())
+        })?;
+        stream.warnings.extend(warnings_of_pose_files(runner.prepared));
+        if stream.failed.len() < stream.poses.len() {
+            for sequence in sequences {
+                let (file, warnings) = sequence.finish()?;
+                stream.files.push(file);
+                stream.warnings.extend(warnings);
+            }
+        }
+        Ok(stream)
+    }
+
+    fn add(&mut self, pose: &PoseInput, output: PoseOutput) {
+        let warnings = output.report.figures.warnings.iter();
+        self.warnings.extend(warnings.map(|warning| format!("pose {}: {warning}", pose.name)));
+        self.poses.push(output.report);
+        self.files.extend(output.files);
+    }
+
+    /// Notes a pose that failed on its own.
+    fn fail(&mut self, pose: &PoseInput, diagnostic: Diagnostic) -> diagnostic::Result<()> {
+        // A full disk is no fault of the pose.
+        if diagnostic.kind == Kind::CannotWrite {
+            return Err(diagnostic.into());
+        }
+        let error = Some(diagnostic.to_json());
+        self.poses.push(PoseReport { name: pose.name.clone(), error, ..PoseReport::default() });
+        self.failed.push(diagnostic);
+        Ok(())
+    }
+}
+
+/// How many poses are taken at once, and whether one batch needs those before it.
+fn batches(stages: &Stages<'_>) -> diagnostic::Result<(usize, bool)> {
+    // Where all results are cached there may be no bound transfer, and one batch at a time may have to bind it.
+    if stages.reusable_poses().is_some() && stages.is_complete() {
+        return Ok((FRAMES_AT_ONCE, true));
+    }
+    let bound = stages.bound()?;
+    Ok(if bound.motion().is_some() { (FRAMES_AT_ONCE, true) } else { (bound.at_once(), false) })
+}
