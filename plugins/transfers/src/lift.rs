@@ -6,6 +6,9 @@ use mimesh_core::{
 };
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion};
 
+/// Neighbours turn alike if their quaternions have at least this product, but for the sign: within 37 degrees.
+const ALIKE: f64 = 0.95;
+
 /// Gives rotations of triangles of the source as quaternions whose signs agree along the surface.
 ///
 /// ±q are the same rotation. Along edges where neighbours turn nearly alike the sign is carried on, so that the quaternions
@@ -77,9 +80,6 @@ impl Lift {
         signs
     }
 }
-
-/// Neighbours turn alike if their quaternions have at least this product, but for the sign: within 37 degrees.
-const ALIKE: f64 = 0.95;
 
 /// Sets of triangles, each with a sign relative to the root of its set.
 struct Signs {

@@ -20,11 +20,12 @@ use self::{
     lanes::Workspace,
 };
 
-/// Factors of at most this many entries are computed in eight lanes: they then take 10 MB, and caches still help.
-const MAX_ENTRIES_OF_EIGHT: usize = 160_000;
+/// Systems of at most this many unknowns are factored in eight lanes: a factor then takes about 10 MB, and caches still help.
+const MAX_UNKNOWNS_OF_EIGHT: usize = 10_000;
 
-/// Factors of at most this many entries are computed in four lanes. Beyond, the dense blocks of faer are as fast.
-const MAX_ENTRIES_OF_FOUR: usize = 2_500_000;
+/// Systems of at most this many unknowns are factored in four lanes. Beyond, memory sets the pace, and the dense blocks of faer are as
+/// fast.
+const MAX_UNKNOWNS_OF_FOUR: usize = 100_000;
 
 /// What the system is called in errors.
 const NAME: &str = "the system of the target's deformation gradients";
@@ -95,17 +96,16 @@ impl Poisson {
     ///
     /// [`Error::Singular`](mimesh_core::Error::Singular) if positions do not say where a vertex is, as those that are not finite.
     pub fn new(target: &Surface, weight: impl Fn(f64) -> f64) -> Result<Self> {
-        Self::with_limits(target, weight, MAX_ENTRIES_OF_FOUR)
+        Self::with_limit(target, weight, MAX_UNKNOWNS_OF_FOUR)
     }
 
-    /// Like [`new`](Self::new), in lanes up to `max_entries` of the factor.
-    fn with_limits(target: &Surface, weight: impl Fn(f64) -> f64, max_entries: usize) -> Result<Self> {
+    /// Like [`new`](Self::new), in lanes up to `most` unknowns.
+    fn with_limit(target: &Surface, weight: impl Fn(f64) -> f64, most: usize) -> Result<Self> {
         let (numbers, anchor) = unknowns(target);
         let mut elements = elements::all(target, weight);
         let matrix = matrix(&elements, &target.triangles, &numbers);
-        let pattern = LanePattern::new(&matrix, NAME)?;
-        let (system, rows) = if pattern.entry_count() <= max_entries {
-            let pattern = Arc::new(pattern);
+        let (system, rows) = if matrix.ncols() <= most {
+            let pattern = Arc::new(LanePattern::new(&matrix, NAME)?);
             let mut least_squares = LaneCholesky::<1>::new(pattern.clone());
             let values = least_squares.clear();
             for (i, j, &value) in matrix.triplet_iter() {
@@ -128,7 +128,7 @@ impl Poisson {
     /// How many fields are best solved for together.
     pub fn at_once(&self) -> usize {
         match &self.system {
-            System::Lanes { pattern, .. } if pattern.entry_count() <= MAX_ENTRIES_OF_EIGHT => 8,
+            System::Lanes { pattern, .. } if pattern.size() <= MAX_UNKNOWNS_OF_EIGHT => 8,
             System::Lanes { .. } => 4,
             System::Plain(_) => 1,
         }

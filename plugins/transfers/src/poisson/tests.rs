@@ -43,7 +43,7 @@ fn lanes_and_single_factorisations_agree() {
         let fields = fields(&surface, 3);
         let area = |area| area;
         let lanes = Poisson::new(&surface, area).unwrap();
-        let plain = Poisson::with_limits(&surface, area, 0).unwrap();
+        let plain = Poisson::with_limit(&surface, area, 0).unwrap();
         assert_eq!([lanes.at_once(), plain.at_once()], [8, 1]);
         for fit in [Fit::LEAST_SQUARES, REWEIGHTED] {
             let all = lanes.solve_all(&slices(&fields), fit).into_iter().zip(plain.solve_all(&slices(&fields), fit));
