@@ -13,7 +13,8 @@ pub(super) type Entries<const N: usize> = [[f64; N]; 9];
 ///
 /// Scaled Newton iteration (Higham 1986), which doubles its digits a step. The result of a lane does not depend on the others.
 pub(super) fn newton<const N: usize>(f: &Entries<N>) -> (Entries<N>, [bool; N]) {
-    Arch::new().dispatch(Newton(f))
+    // One matrix has nothing to gain by vectors.
+    if N == 1 { Newton(f).call() } else { Arch::new().dispatch(Newton(f)) }
 }
 
 struct Newton<'a, const N: usize>(&'a Entries<N>);
@@ -65,23 +66,25 @@ impl<const N: usize> NullaryFnOnce for Newton<'_, N> {
 #[inline(always)]
 fn step<const N: usize>(r: &Entries<N>, is_scaled: bool) -> Entries<N> {
     let mut inverse = cofactors(r);
-    let determinant = determinant(r, &inverse);
+    // Factors take the place of divisions, which last longer.
+    let factor = determinant(r, &inverse).map(|determinant| 1.0 / determinant);
     for entry in &mut inverse {
         for k in 0..N {
-            entry[k] /= determinant[k];
+            entry[k] *= factor[k];
         }
     }
-    let mut scale = [1.0; N];
+    let mut shares = [[0.5; N]; 2];
     if is_scaled {
         let (of_inverse, of_r) = (norm(&inverse), norm(r));
         for k in 0..N {
-            scale[k] = (of_inverse[k] / of_r[k]).sqrt();
+            let scale = (of_inverse[k] / of_r[k]).sqrt();
+            (shares[0][k], shares[1][k]) = (0.5 * scale, 0.5 / scale);
         }
     }
     let mut next = [[0.0; N]; 9];
     for e in 0..9 {
         for k in 0..N {
-            next[e][k] = (r[e][k] * scale[k] + inverse[e][k] / scale[k]) * 0.5;
+            next[e][k] = r[e][k] * shares[0][k] + inverse[e][k] * shares[1][k];
         }
     }
     next

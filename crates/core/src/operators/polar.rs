@@ -21,7 +21,7 @@ pub fn polar(f: &Matrix3<f64>) -> Polar {
     Polar { rotation, stretch: (stretch + stretch.transpose()) / 2.0 }
 }
 
-/// The rotations of many finite F: those of [`polar`] to the last bit, in a fifth of the time.
+/// The rotations of many finite F: those of [`polar`] to the last bit, in a third of the time.
 pub fn rotations(all: &[Matrix3<f64>]) -> Vec<Matrix3<f64>> {
     let several = |several: &[Matrix3<f64>]| {
         let lanes: Entries<LANES> =

@@ -20,7 +20,7 @@ use crate::{
 /// - W is finite and #V × #H, and its rows sum to 1;
 /// - at its own point a handle has weight 1 and the others 0;
 /// - another order of the handles gives the same columns in that order;
-/// - equal inputs give equal weights, on one thread or many.
+/// - equal inputs give equal weights, on one thread or many, for one choice of handles or several at once.
 #[typetag::serde(tag = "type")]
 pub trait Weights: Debug + Send + Sync {
     /// Prepares for handles among `points`; where `proximity` is given, influence passes between the components it links.
@@ -47,7 +47,8 @@ pub trait BoundWeights: Debug + Send + Sync {
     /// component is reached by none; it names them.
     fn solve(&self, handles: &[usize]) -> Result<HandleWeights>;
 
-    /// [`solve`](Self::solve) for each of several choices of handles; the same weights, which it may find at a lower price.
+    /// [`solve`](Self::solve) for each of `choices`, for weights that are cheaper for several at once. The weights of a choice do not
+    /// depend on the others, not in their last bit.
     fn solve_all(&self, choices: &[&[usize]]) -> Vec<Result<HandleWeights>> {
         choices.par_iter().map(|handles| self.solve(handles)).collect()
     }

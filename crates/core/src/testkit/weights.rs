@@ -49,6 +49,18 @@ fn on_surface(
     let fewer = solve(&[1, 3, 0]);
     check_laws(name, surface, &fewer, &[1, 3, 0].map(|h: usize| vertices[h]));
     assert!(w == solve(&handles), "{name}: other weights after another choice of handles");
+    let choices: [&[usize]; 4] = [&handles, &[1, 3, 0], &[2, 2], &[5, 1]];
+    let together = bound.solve_all(&choices);
+    assert_eq!(together.len(), choices.len(), "{name}: one result a choice of handles");
+    for (choice, result) in choices.into_iter().zip(together) {
+        match (bound.solve(choice), result) {
+            (Ok(alone), Ok(together)) => {
+                assert!(alone.matrix == together.matrix, "{name}: other weights among other choices");
+            }
+            (Err(_), Err(_)) => {}
+            (alone, _) => panic!("{name}: {choice:?} is refused alone or among others: {:?}", alone.err()),
+        }
+    }
     let order = [3, 0, 4, 2, 1];
     let reordered = solve(&order.map(|k| handles[k]));
     for (column, k) in order.into_iter().enumerate() {
