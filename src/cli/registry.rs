@@ -2,9 +2,9 @@
 
 use mimesh_core::{Plugin, plugin};
 use mimesh_document::{
-    Diagnostic, Kind, Variants, diagnostic::Result, serde_errors::unknown_type, suggest::did_you_mean,
+    Diagnostic, Kind, Step, Variants, diagnostic::Result, serde_errors::unknown_type, suggest::did_you_mean,
 };
-use mimesh_pipeline::schema::types;
+use mimesh_pipeline::schema::{SchemaNode, types};
 
 /// Checks that a kind of stage is called `stage`.
 ///
@@ -17,8 +17,17 @@ pub fn check_stage(stage: &str) -> Result<()> {
     if stages.contains(&stage) {
         return Ok(());
     }
-    let hint = did_you_mean(stage, &stages).unwrap_or_else(|| format!("stages: {}", stages.join(", ")));
+    let hint = kind_in_slot(stage)
+        .map(|kind| format!("`{stage}` in a pipeline takes one of the kind `{kind}`"))
+        .or_else(|| did_you_mean(stage, &stages))
+        .unwrap_or_else(|| format!("stages: {}", stages.join(", ")));
     Err(Diagnostic::new(Kind::Usage, format!("unknown stage `{stage}`")).hint(hint).into())
+}
+
+/// The kind of the stages in the slot `slot` of a pipeline, as `landmarks` for `markers`; `None` if there is no such slot.
+fn kind_in_slot(slot: &str) -> Option<&'static str> {
+    let node = SchemaNode::pipeline().entry(&Step::Key(slot.into()), None)?;
+    node.stage().or_else(|| node.entry(&Step::Index(0), None)?.stage())
 }
 
 /// Finds the implementation `name` of `stage`.

@@ -150,20 +150,26 @@ fn verdicts(report: &Report) -> String {
     }
     let of_metrics = faults(report.verdicts()).into_iter();
     let of_metrics = of_metrics.map(|(metric, fault)| (metric.replace('_', " "), fault.to_owned()));
-    let mut reasons = report.verdicts().flat_map(|verdict| &verdict.reasons);
-    let are_landmarks_doubtful = reasons.any(|reason| reason.metric == "landmarks");
-    let meaning: Vec<_> = are_landmarks_doubtful.then(landmarks_help).into_iter().chain(of_metrics).collect();
+    let meaning: Vec<_> = if worst == Level::Good { vec![] } else { of_metrics.chain(help(report)).collect() };
     if !meaning.is_empty() {
         let _ = write!(text, "\nwhat that means\n{}", pairs(&meaning));
     }
     text
 }
 
-/// How the commands help where landmarks are doubtful.
-fn landmarks_help() -> (String, String) {
-    let help = "`mimesh markers propose SOURCE TARGET` draws them on both meshes and writes them to be corrected; `mimesh markers suggest` \
-                names the point whose click helps most";
-    ("landmarks".into(), help.into())
+/// What helps where a verdict is not good: better landmarks, if a stage proposed them, and the page, if there is none.
+fn help(report: &Report) -> Vec<(String, String)> {
+    let mut help = Vec::new();
+    if !report.proposed_markers.is_empty() {
+        let landmarks = "`mimesh markers propose SOURCE TARGET` draws them on both meshes and writes them to be corrected; `mimesh markers \
+                         suggest` names the point whose click helps most";
+        help.push(("landmarks".into(), landmarks.into()));
+    }
+    if !report.outputs.iter().any(|file| file.path.extension().is_some_and(|extension| extension == "html")) {
+        let page = "a `.html` among the outputs (`-o FILE.html`) colours on each pose where that is";
+        help.push(("page".into(), page.into()));
+    }
+    help
 }
 
 /// A line for map and markers and one for each pose, if the verdict on them is `level` or worse; poses come the worst first.
