@@ -111,6 +111,9 @@ struct Bound<'a> {
 impl BoundMetric for Bound<'_> {
     fn measure(&self, input: MetricInput<'_>) -> Result<Measured> {
         self.context.check(&input)?;
+        if self.target.pairs.is_empty() {
+            return Ok(Measured::default());
+        }
         let surface = self.context.surface;
         let scale = self.poses.as_ref().zip(input.source).map_or(1.0, |(poses, posed)| poses.scale(posed));
         let posed: Vec<Point3<f64>> = input.result.surface.iter().map(|p| p / scale).collect();
@@ -155,7 +158,7 @@ impl BoundMetric for Bound<'_> {
         if let Some(worst) = first_largest(&medians) {
             statistics.set("worst_component", medians[worst]);
             if let Some((poses, posed)) = self.poses.as_ref().zip(input.source) {
-                statistics.set("loose", 100.0 * medians[worst] / (poses.reach(posed) + 1.0));
+                statistics.set("loose", 100.0 * medians[worst] / (poses.reach(posed, &poses.frame(posed)) + 1.0));
                 about.push(("loose", component_pairs::describe(surface, numbers[worst] as usize)));
             }
             statistics.set("worst", numbers[worst]);

@@ -21,8 +21,8 @@ pub struct Neighbours {
     pub source: f64,
     /// Their places on the source.
     pub places: [SurfacePoint; 2],
-    /// The vertices of the target that they belong to.
-    pub vertices: Vec<u32>,
+    /// The vertices of the target that they belong to, some of them more than once.
+    pub vertices: [u32; 6],
 }
 
 /// The component with the largest share of torn neighbours, and that share in percent, by distance on the target.
@@ -108,7 +108,7 @@ mod tests {
                     target: (target.positions[a as usize] - target.positions[b as usize]).norm(),
                     source: (at(&places[0]) - at(&places[1])).norm(),
                     places,
-                    vertices: vec![a, b],
+                    vertices: [a, b, a, b, a, b],
                 }
             })
             .collect();

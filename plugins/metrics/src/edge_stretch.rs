@@ -4,14 +4,12 @@ use mimesh_core::{
     Figures, Result, register,
     stage::{BoundMetric, Limits, Measured, Metric, MetricContext, MetricInput, Statistic},
 };
-use nalgebra::Point3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    diagonal,
-    elements::{self, Elements},
-    size_change::{self, SizeChange},
+    diagonal, elements,
+    size_change::{self, PosedSizes, SizeChange},
     source_pose::SourcePoses,
 };
 
@@ -81,9 +79,10 @@ struct Bound<'a> {
 
 impl BoundMetric for Bound<'_> {
     fn measure(&self, input: MetricInput<'_>) -> Result<Measured> {
-        let mut measured = self.sizes.measure(input)?;
+        let sizes = self.sizes.sizes(&input)?;
+        let mut measured = self.sizes.measured(&sizes, input.wants_field);
         if !measured.statistics.values.is_empty() {
-            self.jumps(input, &mut measured.statistics);
+            self.jumps(input, &sizes, &mut measured.statistics);
         }
         Ok(measured)
     }
@@ -91,29 +90,29 @@ impl BoundMetric for Bound<'_> {
 
 impl Bound<'_> {
     /// Sets the statistics of the largest change of a length.
-    fn jumps(&self, input: MetricInput<'_>, statistics: &mut Figures) {
+    fn jumps(&self, input: MetricInput<'_>, sizes: &PosedSizes, statistics: &mut Figures) {
         let target = &self.sizes.target;
-        let found = |scale: f64| 100.0 * jump(target, input.result.surface, scale) / self.diagonal;
-        let (Some(poses), Some(posed)) = (&self.source, input.source) else {
+        let found = |scale: f64| 100.0 * jump(&target.rest, &sizes.target, scale) / self.diagonal;
+        let (Some(poses), Some(posed), Some(lengths)) = (&self.source, input.source, &sizes.source) else {
             statistics.set("jump", found(1.0));
             return;
         };
-        let scale = poses.scale(posed);
+        let frame = poses.frame_of(posed, lengths);
+        let jump_found = found(frame.scale);
         // Lengths relative to the diagonals: a mesh of longer edges has larger jumps.
         let longer = (target.mean_rest() / self.diagonal) / (poses.edges.mean_rest() / poses.diagonal);
-        let of_source = 100.0 * jump(&poses.edges, posed, scale) / poses.diagonal * longer;
-        let reach = poses.reach(posed);
-        statistics.set("jump", found(scale));
+        let of_source = 100.0 * jump(&poses.edges.rest, lengths, frame.scale) / poses.diagonal * longer;
+        let reach = poses.reach(posed, &frame);
+        statistics.set("jump", jump_found);
         statistics.set("source_jump", of_source);
-        statistics.set("tear", 100.0 * (found(scale) - of_source).max(0.0) / (reach + 1.0));
+        statistics.set("tear", 100.0 * (jump_found - of_source).max(0.0) / (reach + 1.0));
     }
 }
 
-/// The largest finite |l / scale − l₀|.
-fn jump(elements: &Elements<2>, posed: &[Point3<f64>], scale: f64) -> f64 {
-    let change =
-        |(&[a, b], rest): (&[u32; 2], &f64)| ((posed[a as usize] - posed[b as usize]).norm() / scale - rest).abs();
-    elements.corners.iter().zip(&elements.rest).map(change).filter(|change| change.is_finite()).fold(0.0, f64::max)
+/// The largest finite |l / scale − l₀|, of lengths l₀ at `rest` and l in the pose.
+fn jump(rest: &[f64], posed: &[f64], scale: f64) -> f64 {
+    let change = |(rest, posed): (&f64, &f64)| (posed / scale - rest).abs();
+    rest.iter().zip(posed).map(change).filter(|change| change.is_finite()).fold(0.0, f64::max)
 }
 
 #[cfg(test)]

@@ -15,20 +15,44 @@ pub struct Elements<const N: usize> {
     pub rest: Vec<f64>,
     /// The number of elements that were left out.
     pub left_out: usize,
-    size: fn(&[Point3<f64>; N]) -> f64,
-    /// Smaller sizes count as this, so that an element that vanishes has a finite logarithm.
+    /// Smaller sizes count as this, so that an element that vanishes has a finite change.
     min_size: f64,
 }
 
-impl<const N: usize> Elements<N> {
-    /// Logarithms of the sizes at `posed` relative to rest; NaN where a coordinate is not finite.
-    pub fn logarithms(&self, posed: &[Point3<f64>]) -> Vec<f64> {
-        let logarithm = |(corners, rest): (&[u32; N], &f64)| {
-            let size = (self.size)(&corners.map(|v| posed[v as usize]));
-            // f64::max would hide NaN.
-            if size.is_finite() { (size.max(self.min_size) / rest).ln() } else { f64::NAN }
-        };
-        self.corners.par_iter().zip(&self.rest).with_min_len(4096).map(logarithm).collect()
+/// The corners of an edge or a triangle.
+pub trait Corners: Sync {
+    /// Length or area; not finite where a coordinate is not.
+    fn size(&self) -> f64;
+}
+
+impl Corners for [Point3<f64>; 2] {
+    fn size(&self) -> f64 {
+        (self[1] - self[0]).norm()
+    }
+}
+
+impl Corners for [Point3<f64>; 3] {
+    fn size(&self) -> f64 {
+        (self[1] - self[0]).cross(&(self[2] - self[0])).norm() / 2.0
+    }
+}
+
+impl<const N: usize> Elements<N>
+where
+    [Point3<f64>; N]: Corners,
+{
+    /// The sizes at `posed`.
+    pub fn sizes(&self, posed: &[Point3<f64>]) -> Vec<f64> {
+        let size = |corners: &[u32; N]| corners.map(|v| posed[v as usize]).size();
+        self.corners.par_iter().with_min_len(4096).map(size).collect()
+    }
+
+    /// `sizes` relative to rest; NaN where they are not finite.
+    pub fn ratios(&self, sizes: &[f64]) -> Vec<f64> {
+        // f64::max would hide NaN.
+        let ratio =
+            |(size, rest): (&f64, &f64)| if size.is_finite() { size.max(self.min_size) / rest } else { f64::NAN };
+        sizes.iter().zip(&self.rest).map(ratio).collect()
     }
 
     /// The mean size at rest; 0 without elements.
@@ -39,7 +63,6 @@ impl<const N: usize> Elements<N> {
     fn new(
         surface: &Surface,
         all: &[[u32; N]],
-        size: fn(&[Point3<f64>; N]) -> f64,
         min_size: f64,
         thickness: impl Fn(&[Point3<f64>; N], f64) -> f64,
     ) -> Self {
@@ -47,27 +70,27 @@ impl<const N: usize> Elements<N> {
         let (mut corners, mut rest) = (Vec::with_capacity(all.len()), Vec::with_capacity(all.len()));
         for &element in all {
             let points = element.map(|v| surface.positions[v as usize]);
-            let at_rest = size(&points);
+            let at_rest = points.size();
             if thickness(&points, at_rest) > min_thickness {
                 corners.push(element);
                 rest.push(at_rest);
             }
         }
         let left_out = all.len() - corners.len();
-        Self { corners, rest, left_out, size, min_size }
+        Self { corners, rest, left_out, min_size }
     }
 }
 
 /// The edges of triangles, each once, without those shorter than [`MIN_LENGTH`] of the diagonal.
 pub fn edges(surface: &Surface) -> Elements<2> {
     let min_size = MIN_LENGTH * surface.diagonal();
-    Elements::new(surface, &edge_vertices(surface), length, min_size, |_, length| length)
+    Elements::new(surface, &edge_vertices(surface), min_size, |_, length| length)
 }
 
 /// The triangles, without those of a height below [`MIN_LENGTH`] of the diagonal.
 pub fn triangles(surface: &Surface) -> Elements<3> {
     let min_size = (MIN_LENGTH * surface.diagonal()).powi(2);
-    Elements::new(surface, &surface.triangles, area, min_size, |[a, b, c], area| {
+    Elements::new(surface, &surface.triangles, min_size, |[a, b, c], area| {
         let longest = (b - a).norm().max((c - b).norm()).max((a - c).norm());
         if longest > 0.0 { 2.0 * area / longest } else { 0.0 }
     })
@@ -82,12 +105,4 @@ pub fn edge_vertices(surface: &Surface) -> Vec<[u32; 2]> {
     edges.sort_unstable();
     edges.dedup();
     edges
-}
-
-fn length([a, b]: &[Point3<f64>; 2]) -> f64 {
-    (b - a).norm()
-}
-
-fn area([a, b, c]: &[Point3<f64>; 3]) -> f64 {
-    (b - a).cross(&(c - a)).norm() / 2.0
 }

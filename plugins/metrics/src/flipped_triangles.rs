@@ -1,18 +1,13 @@
 //! Triangles that are folded over.
 
 use mimesh_core::{
-    Figures, Result,
-    mesh::Surface,
-    operators::{relative_height, rotations},
-    register,
+    Figures, Result, register,
     stage::{BoundMetric, Measured, Metric, MetricContext, MetricInput, Statistic},
 };
-use nalgebra::{Matrix3, Point3, Vector3};
-use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::vertex_field;
+use crate::{flips::Rest, vertex_field};
 
 register!(Metric: FlippedTriangles);
 
@@ -71,101 +66,34 @@ struct Bound<'a> {
 impl BoundMetric for Bound<'_> {
     fn measure(&self, input: MetricInput<'_>) -> Result<Measured> {
         self.context.check(&input)?;
-        let surface = self.context.surface;
-        let posed = input.result.surface;
-        let flipped = self.target.flipped(posed);
+        let posed = self.target.posed(input.result.surface);
+        let flipped = self.target.flipped(&posed);
         let share = self.target.share(&flipped);
         let mut statistics = Figures::default();
         statistics.set("count", count(&flipped));
         statistics.set("share", share);
         if let Some((source, posed)) = self.source.as_ref().zip(input.source) {
-            let flipped = source.flipped(posed);
+            let flipped = source.flipped(&source.posed(posed));
             let source_share = source.share(&flipped);
             statistics.set("beyond_share", (share - source_share).max(0.0));
             statistics.set("source_count", count(&flipped));
             statistics.set("source_share", source_share);
         }
-        statistics.set("degenerate", self.target.degenerate_count(posed));
+        statistics.set("degenerate", self.target.degenerate_count(&posed));
+        let field = if input.wants_field { self.field(&flipped) } else { vec![] };
+        Ok(Measured { statistics, about: vec![], field, field_unit: "flipped", field_high: 100.0 })
+    }
+}
+
+impl Bound<'_> {
+    /// 100 at the vertices of flipped triangles, 0 at others that triangles use.
+    fn field(&self, flipped: &[bool]) -> Vec<f64> {
+        let surface = self.context.surface;
         let mut values = vec![f64::NAN; surface.vertex_count()];
-        for (corners, flipped) in surface.triangles.iter().zip(&flipped) {
+        for (corners, flipped) in surface.triangles.iter().zip(flipped) {
             vertex_field::raise(&mut values, corners, if *flipped { 100.0 } else { 0.0 });
         }
-        Ok(Measured {
-            statistics,
-            about: vec![],
-            field: vertex_field::on_mesh(surface, &values),
-            field_unit: "flipped",
-            field_high: 100.0,
-        })
-    }
-}
-
-/// A surface at rest.
-struct Rest<'a> {
-    surface: &'a Surface,
-    /// Unit normal and twice the area of each triangle; `None` without area.
-    normals: Vec<Option<(Vector3<f64>, f64)>>,
-    /// The triangles around each vertex.
-    around: Vec<Vec<u32>>,
-    /// Twice the area of all triangles.
-    area: f64,
-}
-
-impl<'a> Rest<'a> {
-    fn new(surface: &'a Surface) -> Self {
-        let normals = normals(surface, &surface.positions);
-        let area = normals.iter().flatten().map(|(_, area)| area).sum();
-        Self { surface, normals, around: surface.triangles_around(), area }
-    }
-
-    /// Whether each triangle is flipped at `posed`.
-    fn flipped(&self, posed: &[Point3<f64>]) -> Vec<bool> {
-        let surface = self.surface;
-        let now = normals(surface, posed);
-        let term = |t: usize| {
-            let (Some((n, area)), Some((m, now))) = (self.normals[t], now[t]) else { return Matrix3::zeros() };
-            let [rest, there] = [surface.corners(&surface.positions, t), surface.corners(posed, t)];
-            let edge = |i: usize, j: usize| (there[j] - there[i]) * (rest[j] - rest[i]).transpose();
-            edge(0, 1) + edge(1, 2) + edge(2, 0) + m * n.transpose() * (area * now).sqrt()
-        };
-        let terms: Vec<Matrix3<f64>> =
-            (0..surface.triangle_count()).into_par_iter().with_min_len(1024).map(term).collect();
-        let around = |triangles: &Vec<u32>| triangles.iter().map(|&t| terms[t as usize]).sum();
-        let rings: Vec<Matrix3<f64>> = self.around.par_iter().with_min_len(1024).map(around).collect();
-        let with_area: Vec<u32> = (0..surface.triangle_count())
-            .filter(|&t| self.normals[t].is_some() && now[t].is_some())
-            .map(|t| t as u32)
-            .collect();
-        let flipped = |triangles: &[u32]| {
-            let ring = |&t: &u32| surface.triangles[t as usize].iter().map(|&v| rings[v as usize]).sum();
-            let turns = rotations(&triangles.iter().map(ring).collect::<Vec<Matrix3<f64>>>());
-            let is_flipped = |(&t, turn): (&u32, &Matrix3<f64>)| {
-                let normals = self.normals[t as usize].zip(now[t as usize]);
-                normals.is_some_and(|((n, _), (m, _))| m.dot(&(turn * n)) < 0.0)
-            };
-            triangles.iter().zip(&turns).map(is_flipped).collect::<Vec<_>>()
-        };
-        let found: Vec<bool> = with_area.par_chunks(1024).flat_map_iter(flipped).collect();
-        let mut flipped = vec![false; surface.triangle_count()];
-        with_area.iter().zip(found).for_each(|(&t, found)| flipped[t as usize] = found);
-        flipped
-    }
-
-    /// The area at rest of flipped triangles, in percent of all.
-    fn share(&self, flipped: &[bool]) -> f64 {
-        let areas = self.normals.iter().zip(flipped).filter(|(_, flipped)| **flipped);
-        let sum = areas.filter_map(|(normal, _)| normal.map(|(_, area)| area)).fold(0.0, |sum, area| sum + area);
-        if self.area > 0.0 { 100.0 * sum / self.area } else { 0.0 }
-    }
-
-    /// The number of triangles that have an area at rest and none at `posed`.
-    fn degenerate_count(&self, posed: &[Point3<f64>]) -> usize {
-        let surface = self.surface;
-        let is_degenerate = |&t: &usize| {
-            relative_height(&surface.corners(posed, t)) < 1e-6
-                && relative_height(&surface.corners(&surface.positions, t)) > 1e-4
-        };
-        (0..surface.triangle_count()).filter(is_degenerate).count()
+        vertex_field::on_mesh(surface, &values)
     }
 }
 
@@ -173,19 +101,10 @@ fn count(flipped: &[bool]) -> usize {
     flipped.iter().filter(|flipped| **flipped).count()
 }
 
-/// Unit normal and twice the area of each triangle at `positions`; `None` without a finite area.
-fn normals(surface: &Surface, positions: &[Point3<f64>]) -> Vec<Option<(Vector3<f64>, f64)>> {
-    let normal = |n: &Vector3<f64>| {
-        let area = n.norm();
-        (area.is_finite() && area > 0.0).then(|| (n / area, area))
-    };
-    surface.area_normals(positions).iter().map(normal).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use mimesh_core::testkit::meshes;
-    use nalgebra::{Rotation3, Vector3};
+    use nalgebra::{Point3, Rotation3, Vector3};
 
     use super::*;
     use crate::testing::{alone, assert_statistic, with_source};

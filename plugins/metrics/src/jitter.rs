@@ -94,8 +94,8 @@ impl BoundMetric for Bound<'_> {
             statistics.set("beyond", (rms - source.rms()).max(0.0));
             statistics.set("ratio", (rms + NOISE_FLOOR) / (source.rms() + NOISE_FLOOR));
         }
-        let field = vertex_field::on_mesh(surface, &values);
-        let field = field.iter().map(|value| if value.is_finite() { *value } else { f64::NAN }).collect();
+        let shown = || values.iter().map(|value| if value.is_finite() { *value } else { f64::NAN }).collect::<Vec<_>>();
+        let field = if input.wants_field { vertex_field::on_mesh(surface, &shown()) } else { vec![] };
         Ok(Measured { statistics, about: vec![], field, field_unit: "jitter, %", field_high: 5.0 })
     }
 }

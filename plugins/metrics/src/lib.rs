@@ -29,6 +29,7 @@ pub mod component_motion;
 pub mod contact_slide;
 pub mod edge_stretch;
 pub mod flipped_triangles;
+mod flips;
 pub mod jitter;
 pub mod map_collapse;
 pub mod map_tears;

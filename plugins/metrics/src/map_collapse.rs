@@ -49,11 +49,10 @@ const MAX_PLACES: [usize; 2] = [1_500, 6_000];
 #[typetag::serde(name = "map_collapse")]
 impl Metric for MapCollapse {
     fn bind<'a>(&self, context: MetricContext<'a>) -> Result<Box<dyn BoundMetric + 'a>> {
-        let measured = match (context.pair, context.map) {
-            (Some(pair), Some(map)) => collapse(context, pair, map)?,
-            _ => Measured::default(),
-        };
-        Ok(AtRest::boxed(context, measured))
+        match (context.pair, context.map) {
+            (Some(pair), Some(map)) => collapse(context, pair, map),
+            _ => Ok(AtRest::boxed(context, Measured::default())),
+        }
     }
 
     fn statistics(&self) -> Vec<Statistic> {
@@ -83,6 +82,7 @@ impl Metric for MapCollapse {
 }
 
 /// A place on the target with the place on the source that it takes its motion from, in diagonals.
+#[derive(Clone, Copy)]
 struct Place {
     target: Point3<f64>,
     source: Point3<f64>,
@@ -95,15 +95,19 @@ struct Place {
 /// # Errors
 ///
 /// [`Error::Data`](mimesh_core::Error::Data) for a map that does not fit the pair, or meshes without a diagonal.
-fn collapse(context: MetricContext<'_>, pair: TransferPair<'_>, map: &TriangleMap) -> Result<Measured> {
+fn collapse<'a>(
+    context: MetricContext<'a>,
+    pair: TransferPair<'_>,
+    map: &TriangleMap,
+) -> Result<Box<dyn BoundMetric + 'a>> {
     map.check(pair)?;
     let diagonals = [diagonal::of_target(context.surface)?, diagonal::of_source(pair.source)?];
     let places = places(pair, map, diagonals);
     let [centres, others] = MAX_PLACES.map(|count| every_nth(&places, count));
     let ratios: Vec<Option<f64>> = centres.par_iter().map(|centre| ratio(centre, &others)).collect();
-    let measured: Vec<(&Place, f64)> = centres.iter().zip(ratios).filter_map(|(p, ratio)| Some((*p, ratio?))).collect();
+    let measured: Vec<(Place, f64)> = centres.iter().zip(ratios).filter_map(|(p, ratio)| Some((**p, ratio?))).collect();
     let Some(distribution) = Distribution::unweighted(measured.iter().map(|(_, ratio)| *ratio)) else {
-        return Ok(Measured::default());
+        return Ok(AtRest::boxed(context, Measured::default()));
     };
     let below = measured.iter().filter(|(_, ratio)| *ratio < MIN_RATIO).count();
     let mut statistics = Figures::default();
@@ -116,8 +120,10 @@ fn collapse(context: MetricContext<'_>, pair: TransferPair<'_>, map: &TriangleMa
         statistics.set("worst", vertex);
         about.push(("share", format!("around vertex {vertex}")));
     }
-    let field = field(context.surface, diagonals[0], &measured)?;
-    Ok(Measured { statistics, about, field, field_unit: "collapse, %", field_high: 100.0 })
+    let measured_at_rest = Measured { statistics, about, field: vec![], field_unit: "collapse, %", field_high: 100.0 };
+    let nearest = Nearest::new(&measured.iter().map(|(place, _)| place.target).collect::<Vec<_>>())?;
+    let field = move || field(context.surface, diagonals[0], &measured, &nearest);
+    Ok(AtRest::with_field(context, measured_at_rest, Box::new(field)))
 }
 
 /// Where vertices of the target have points on the source, or where triangles have partners.
@@ -154,11 +160,10 @@ fn ratio(centre: &Place, others: &[&Place]) -> Option<f64> {
 }
 
 /// The collapse at the nearest place for each vertex of the target's mesh.
-fn field(surface: &Surface, diagonal: f64, measured: &[(&Place, f64)]) -> Result<Vec<f64>> {
-    let nearest = Nearest::new(&measured.iter().map(|(place, _)| place.target).collect::<Vec<_>>())?;
+fn field(surface: &Surface, diagonal: f64, measured: &[(Place, f64)], nearest: &Nearest) -> Vec<f64> {
     let value = |p: &Point3<f64>| 100.0 * (1.0 - measured[nearest.find(&(p / diagonal)).0 as usize].1).max(0.0);
     let values: Vec<f64> = surface.positions.par_iter().map(value).collect();
-    Ok(vertex_field::on_mesh(surface, &values))
+    vertex_field::on_mesh(surface, &values)
 }
 
 #[cfg(test)]

@@ -44,11 +44,10 @@ const MIN_TEAR: f64 = 5.0;
 #[typetag::serde(name = "map_tears")]
 impl Metric for MapTears {
     fn bind<'a>(&self, context: MetricContext<'a>) -> Result<Box<dyn BoundMetric + 'a>> {
-        let measured = match (context.pair, context.map) {
-            (Some(pair), Some(map)) => tears(context, pair, map)?,
-            _ => Measured::default(),
-        };
-        Ok(AtRest::boxed(context, measured))
+        match (context.pair, context.map) {
+            (Some(pair), Some(map)) => tears(context, pair, map),
+            _ => Ok(AtRest::boxed(context, Measured::default())),
+        }
     }
 
     fn statistics(&self) -> Vec<Statistic> {
@@ -91,15 +90,19 @@ impl Metric for MapTears {
 /// # Errors
 ///
 /// [`Error::Data`](mimesh_core::Error::Data) for a map that does not fit the pair, or meshes without a diagonal.
-fn tears(context: MetricContext<'_>, pair: TransferPair<'_>, map: &TriangleMap) -> Result<Measured> {
+fn tears<'a>(
+    context: MetricContext<'a>,
+    pair: TransferPair<'_>,
+    map: &TriangleMap,
+) -> Result<Box<dyn BoundMetric + 'a>> {
     map.check(pair)?;
     let (diagonal, source_diagonal) = (diagonal::of_target(context.surface)?, diagonal::of_source(pair.source)?);
     let neighbours = if map.points.iter().any(Option::is_some) { edge_ends(pair, map) } else { triangles(pair, map) };
     let source_edge = mean_edge(pair.source);
-    let expected = |n: &Neighbours| n.target * source_diagonal / diagonal + source_edge;
-    let gap = |n: &Neighbours| 100.0 * (n.source - expected(n)).max(0.0) / source_diagonal;
+    let expected = move |n: &Neighbours| n.target * source_diagonal / diagonal + source_edge;
+    let gap = move |n: &Neighbours| 100.0 * (n.source - expected(n)).max(0.0) / source_diagonal;
     let Some(gaps) = Distribution::weighted(neighbours.iter().map(|n| (gap(n), n.target))) else {
-        return Ok(Measured::default());
+        return Ok(AtRest::boxed(context, Measured::default()));
     };
     let total: f64 = neighbours.iter().map(|n| n.target).sum();
     let torn: f64 = neighbours.iter().filter(|n| gap(n) > MIN_TEAR).fold(0.0, |sum, n| sum + n.target);
@@ -117,10 +120,13 @@ fn tears(context: MetricContext<'_>, pair: TransferPair<'_>, map: &TriangleMap) 
         statistics.set("worst", component);
         about.push(("worst_component", component_pairs::describe(context.surface, component)));
     }
-    let mut values = vec![f64::NAN; context.surface.vertex_count()];
-    neighbours.iter().for_each(|n| vertex_field::raise(&mut values, &n.vertices, gap(n)));
-    let field = vertex_field::on_mesh(context.surface, &values);
-    Ok(Measured { statistics, about, field, field_unit: "map gap, %", field_high: 10.0 })
+    let measured = Measured { statistics, about, field: vec![], field_unit: "map gap, %", field_high: 10.0 };
+    let field = move || {
+        let mut values = vec![f64::NAN; context.surface.vertex_count()];
+        neighbours.iter().for_each(|n| vertex_field::raise(&mut values, &n.vertices, gap(n)));
+        vertex_field::on_mesh(context.surface, &values)
+    };
+    Ok(AtRest::with_field(context, measured, Box::new(field)))
 }
 
 /// The ends of edges of the target that both have a point on the source.
@@ -133,7 +139,7 @@ fn edge_ends(pair: TransferPair<'_>, map: &TriangleMap) -> Vec<Neighbours> {
             target: (rest[b as usize] - rest[a as usize]).norm(),
             source: (position(q) - position(p)).norm(),
             places: [p, q],
-            vertices: vec![a, b],
+            vertices: [a, b, a, b, a, b],
         })
     };
     elements::edge_vertices(pair.target).into_iter().filter_map(neighbours).collect()
@@ -148,7 +154,7 @@ fn triangles(pair: TransferPair<'_>, map: &TriangleMap) -> Vec<Neighbours> {
             target: (target[b as usize] - target[a as usize]).norm(),
             source: (source[q as usize] - source[p as usize]).norm(),
             places: [p, q].map(|t| SurfacePoint::Triangle(t, [1.0 / 3.0; 3])),
-            vertices: [a, b].iter().flat_map(|&t| pair.target.triangles[t as usize]).collect(),
+            vertices: std::array::from_fn(|i| pair.target.triangles[[a, b][i / 3] as usize][i % 3]),
         })
     };
     pair.target.topology().adjacent.into_iter().filter_map(neighbours).collect()

@@ -44,11 +44,10 @@ const MAX_PLACES: [usize; 2] = [600, 3_000];
 #[typetag::serde(name = "rest_difference")]
 impl Metric for RestDifference {
     fn bind<'a>(&self, context: MetricContext<'a>) -> Result<Box<dyn BoundMetric + 'a>> {
-        let measured = match (context.pair, context.map) {
-            (Some(pair), Some(map)) => difference(context, pair, map)?,
-            _ => Measured::default(),
-        };
-        Ok(AtRest::boxed(context, measured))
+        match (context.pair, context.map) {
+            (Some(pair), Some(map)) => difference(context, pair, map),
+            _ => Ok(AtRest::boxed(context, Measured::default())),
+        }
     }
 
     fn statistics(&self) -> Vec<Statistic> {
@@ -84,17 +83,22 @@ impl Metric for RestDifference {
 /// # Errors
 ///
 /// [`Error::Data`](mimesh_core::Error::Data) for a map that does not fit the pair, or meshes without a diagonal.
-fn difference(context: MetricContext<'_>, pair: TransferPair<'_>, map: &TriangleMap) -> Result<Measured> {
+fn difference<'a>(
+    context: MetricContext<'a>,
+    pair: TransferPair<'_>,
+    map: &TriangleMap,
+) -> Result<Box<dyn BoundMetric + 'a>> {
     map.check(pair)?;
     let diagonals = [diagonal::of_target(context.surface)?, diagonal::of_source(pair.source)?];
     let places = Places::new(pair, map, diagonals)?;
     let all: Vec<usize> = (0..places.count()).collect();
-    let Some(whole) = places.rotation(&all) else { return Ok(Measured::default()) };
+    let nothing = || Ok(AtRest::boxed(context, Measured::default()));
+    let Some(whole) = places.rotation(&all) else { return nothing() };
     let step = places.count().div_ceil(MAX_PLACES[0]).max(1);
     let angle = |k: usize| Some((k, angle_between(&whole, &places.rotation(&places.around(k))?)));
     let angles: Vec<(usize, f64)> = (0..places.count()).into_par_iter().step_by(step).filter_map(angle).collect();
     let weighted = angles.iter().map(|&(k, angle)| (angle, places.mass[k]));
-    let Some(distribution) = Distribution::weighted(weighted) else { return Ok(Measured::default()) };
+    let Some(distribution) = Distribution::weighted(weighted) else { return nothing() };
     // Not by `sum`, which starts from -0.
     let area =
         |least: f64| angles.iter().filter(|(_, angle)| *angle > least).fold(0.0, |sum, &(k, _)| sum + places.mass[k]);
@@ -108,8 +112,10 @@ fn difference(context: MetricContext<'_>, pair: TransferPair<'_>, map: &Triangle
         statistics.set("worst", vertex);
         about.push(("share", format!("around vertex {vertex}")));
     }
-    let field = places.field(context.surface, diagonals[0], &angles)?;
-    Ok(Measured { statistics, about, field, field_unit: "turned, °", field_high: 90.0 })
+    let measured = Measured { statistics, about, field: vec![], field_unit: "turned, °", field_high: 90.0 };
+    let nearest = Nearest::new(&angles.iter().map(|&(k, _)| places.target[k]).collect::<Vec<_>>())?;
+    let field = move || field(context.surface, diagonals[0], &angles, &nearest);
+    Ok(AtRest::with_field(context, measured, Box::new(field)))
 }
 
 /// Vertices of the target, evenly among all, with their source points, in diagonals.
@@ -155,14 +161,13 @@ impl Places {
         let weights = vec![1.0; places.len()];
         Some(Similarity::orient(&of(&self.source), &of(&self.target), &weights, Orientation::Fitted)?.rotation)
     }
+}
 
-    /// The angle at the nearest place for each vertex of the target's mesh.
-    fn field(&self, surface: &Surface, diagonal: f64, angles: &[(usize, f64)]) -> Result<Vec<f64>> {
-        let nearest = Nearest::new(&angles.iter().map(|&(k, _)| self.target[k]).collect::<Vec<_>>())?;
-        let value = |p: &Point3<f64>| angles[nearest.find(&(p / diagonal)).0 as usize].1;
-        let values: Vec<f64> = surface.positions.par_iter().map(value).collect();
-        Ok(vertex_field::on_mesh(surface, &values))
-    }
+/// The angle at the nearest place for each vertex of the target's mesh.
+fn field(surface: &Surface, diagonal: f64, angles: &[(usize, f64)], nearest: &Nearest) -> Vec<f64> {
+    let value = |p: &Point3<f64>| angles[nearest.find(&(p / diagonal)).0 as usize].1;
+    let values: Vec<f64> = surface.positions.par_iter().map(value).collect();
+    vertex_field::on_mesh(surface, &values)
 }
 
 #[cfg(test)]

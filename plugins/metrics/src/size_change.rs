@@ -4,8 +4,13 @@ use mimesh_core::{
     Figures, Result,
     stage::{BoundMetric, Limits, Measured, MetricContext, MetricInput, Statistic},
 };
+use nalgebra::Point3;
 
-use crate::{distribution::Distribution, elements::Elements, vertex_field};
+use crate::{
+    distribution::Distribution,
+    elements::{Corners, Elements},
+    vertex_field,
+};
 
 /// The statistics of both metrics, with the limits of `beyond` and `median_beyond`.
 pub fn statistics(beyond: Limits, median: Limits) -> Vec<Statistic> {
@@ -42,61 +47,96 @@ pub struct SizeChange<'a, const N: usize> {
     pub field_high: f64,
 }
 
-/// Percentiles of logarithms over one surface in one pose.
+/// Percentiles of the change over one surface in one pose, each as the ratio of sizes, eˢ or e^|s|.
 struct Percentiles {
     p99: f64,
     max: f64,
     median: f64,
 }
 
-impl<const N: usize> BoundMetric for SizeChange<'_, N> {
-    fn measure(&self, input: MetricInput<'_>) -> Result<Measured> {
-        self.context.check(&input)?;
-        let surface = self.context.surface;
-        let logarithms = self.target.logarithms(input.result.surface);
-        let Some(target) = percentiles(&logarithms, &self.target.rest) else { return Ok(Measured::default()) };
-        let source = self.source.as_ref().zip(input.source);
-        let source = source.and_then(|(elements, posed)| percentiles(&elements.logarithms(posed), &elements.rest));
+/// The sizes of elements in a pose.
+pub struct PosedSizes {
+    /// Those of the target.
+    pub target: Vec<f64>,
+    /// Those of the source, if they are known.
+    pub source: Option<Vec<f64>>,
+}
+
+impl<const N: usize> SizeChange<'_, N>
+where
+    [Point3<f64>; N]: Corners,
+{
+    /// The sizes of the elements in the pose.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Shape`](mimesh_core::Error::Shape) if vertex counts differ.
+    pub fn sizes(&self, input: &MetricInput<'_>) -> Result<PosedSizes> {
+        self.context.check(input)?;
+        let source = self.source.as_ref().zip(input.source).map(|(elements, posed)| elements.sizes(posed));
+        Ok(PosedSizes { target: self.target.sizes(input.result.surface), source })
+    }
+
+    /// The statistics and the field; no statistics if no size is finite.
+    pub fn measured(&self, sizes: &PosedSizes, wants_field: bool) -> Measured {
+        let ratios = self.target.ratios(&sizes.target);
+        let Some(target) = percentiles(&ratios, &self.target.rest) else { return Measured::default() };
+        let source = self.source.as_ref().zip(sizes.source.as_ref());
+        let source = source.and_then(|(elements, sizes)| percentiles(&elements.ratios(sizes), &elements.rest));
 
         let mut statistics = Figures::default();
         if let Some(source) = &source {
-            statistics.set("beyond", growth((target.p99 - source.p99).max(0.0)));
+            statistics.set("beyond", percent((target.p99 / source.p99).max(1.0)));
         }
-        statistics.set("p99", growth(target.p99));
-        statistics.set("max", growth(target.max));
-        statistics.set("median", growth(target.median));
+        statistics.set("p99", percent(target.p99));
+        statistics.set("max", percent(target.max));
+        statistics.set("median", percent(target.median));
         if let Some(source) = &source {
-            statistics.set("median_beyond", growth((target.median - source.median).abs()));
-            statistics.set("source_p99", growth(source.p99));
-            statistics.set("source_max", growth(source.max));
-            statistics.set("source_median", growth(source.median));
+            statistics.set("median_beyond", percent(without_sign(target.median / source.median)));
+            statistics.set("source_p99", percent(source.p99));
+            statistics.set("source_max", percent(source.max));
+            statistics.set("source_median", percent(source.median));
         }
-        let not_finite = logarithms.iter().filter(|s| !s.is_finite()).count();
+        let not_finite = ratios.iter().filter(|ratio| !ratio.is_finite()).count();
         statistics.set("left_out", self.target.left_out + not_finite);
+        let field =
+            if wants_field { self.field(&ratios, source.map_or(0.0, |source| percent(source.p99))) } else { vec![] };
+        Measured { about: vec![], statistics, field, field_unit: self.field_unit, field_high: self.field_high }
+    }
 
-        let source_p99 = source.map_or(0.0, |source| growth(source.p99));
+    /// The largest change of the elements at each vertex of the target's mesh, less `source_p99`.
+    fn field(&self, ratios: &[f64], source_p99: f64) -> Vec<f64> {
+        let surface = self.context.surface;
         let mut values = vec![f64::NAN; surface.vertex_count()];
-        for (corners, s) in self.target.corners.iter().zip(&logarithms).filter(|(_, s)| s.is_finite()) {
-            vertex_field::raise(&mut values, corners, (growth(s.abs()) - source_p99).max(0.0));
+        for (corners, ratio) in self.target.corners.iter().zip(ratios).filter(|(_, ratio)| ratio.is_finite()) {
+            vertex_field::raise(&mut values, corners, (percent(without_sign(*ratio)) - source_p99).max(0.0));
         }
-        Ok(Measured {
-            about: vec![],
-            statistics,
-            field: vertex_field::on_mesh(surface, &values),
-            field_unit: self.field_unit,
-            field_high: self.field_high,
-        })
+        vertex_field::on_mesh(surface, &values)
     }
 }
 
-/// 100 (eˢ − 1).
-fn growth(logarithm: f64) -> f64 {
-    100.0 * logarithm.exp_m1()
+impl<const N: usize> BoundMetric for SizeChange<'_, N>
+where
+    [Point3<f64>; N]: Corners,
+{
+    fn measure(&self, input: MetricInput<'_>) -> Result<Measured> {
+        Ok(self.measured(&self.sizes(&input)?, input.wants_field))
+    }
 }
 
-fn percentiles(logarithms: &[f64], weights: &[f64]) -> Option<Percentiles> {
-    let weighted = || logarithms.iter().copied().zip(weights.iter().copied());
+/// The change of a size that is `ratio` times what it was.
+fn percent(ratio: f64) -> f64 {
+    100.0 * (ratio - 1.0)
+}
+
+/// e^|s| of a ratio eˢ.
+fn without_sign(ratio: f64) -> f64 {
+    ratio.max(1.0 / ratio)
+}
+
+fn percentiles(ratios: &[f64], weights: &[f64]) -> Option<Percentiles> {
+    let weighted = || ratios.iter().copied().zip(weights.iter().copied());
     let signed = Distribution::weighted(weighted())?;
-    let sizes = Distribution::weighted(weighted().map(|(s, weight)| (s.abs(), weight)))?;
+    let sizes = Distribution::weighted(weighted().map(|(ratio, weight)| (without_sign(ratio), weight)))?;
     Some(Percentiles { p99: sizes.percentile(0.99), max: sizes.max(), median: signed.percentile(0.5) })
 }

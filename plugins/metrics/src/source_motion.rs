@@ -90,6 +90,8 @@ struct Bound<'a> {
 /// Points of the target with the points of the source that they move like.
 struct Moving<'a> {
     points: Vec<(SurfacePoint, SurfacePoint)>,
+    /// Where these are at rest.
+    rest: Vec<(Point3<f64>, Point3<f64>)>,
     /// Takes the source to the target at rest.
     similarity: Similarity,
     misfit: f64,
@@ -115,7 +117,8 @@ impl<'a> Moving<'a> {
         let misfit = Distribution::unweighted(misfits).map_or(0.0, |misfits| misfits.rms());
         let (poses, edges) = (SourcePoses::new(pair.source), elements::edges(pair.target));
         let longer = (edges.mean_rest() / diagonal) / (poses.edges.mean_rest() / poses.diagonal);
-        Ok(Self { points, similarity, misfit, poses, edges: edges.corners, longer: longer.max(1.0) })
+        let rest = target.into_iter().zip(source).collect();
+        Ok(Self { points, rest, similarity, misfit, poses, edges: edges.corners, longer: longer.max(1.0) })
     }
 }
 
@@ -182,13 +185,9 @@ impl BoundMetric for Bound<'_> {
         };
         let back = turn * frame.back * turn.transpose();
         let of_target = |p: &Point3<f64>, q: &Point3<f64>| (back * p.coords / frame.scale - q.coords) * percent;
-        let both = moving.points.iter().map(|(target, point)| {
-            let (target_rest, source_rest) = (&pair.target.positions, &pair.source.positions);
-            let d = of_target(
-                &target.position(pair.target, input.result.surface),
-                &target.position(pair.target, target_rest),
-            );
-            (d, of_source(&point.position(pair.source, source), &point.position(pair.source, source_rest)))
+        let both = moving.points.iter().zip(&moving.rest).map(|((target, point), (target_rest, source_rest))| {
+            let d = of_target(&target.position(pair.target, input.result.surface), target_rest);
+            (d, of_source(&point.position(pair.source, source), source_rest))
         });
         let both: Vec<_> =
             both.map(|(d, e)| (d.iter().chain(e.iter()).all(|x| x.is_finite())).then_some((d, e))).collect();
@@ -224,14 +223,21 @@ impl BoundMetric for Bound<'_> {
         statistics.set("reach", reach);
         statistics.set("source_mean", motions.mean());
         statistics.set("misfit", moving.misfit);
-        let mut values = vec![f64::NAN; pair.target.vertex_count()];
-        for ((point, _), off) in moving.points.iter().zip(&off) {
+        let field = if input.wants_field { self.field(moving, &off) } else { vec![] };
+        Ok(Measured { statistics, about: vec![], field, field_unit: "off the source, %", field_high: 15.0 })
+    }
+}
+
+impl Bound<'_> {
+    /// `off`, of the points of `moving`, at the vertices of the target's mesh.
+    fn field(&self, moving: &Moving<'_>, off: &[f64]) -> Vec<f64> {
+        let mut values = vec![f64::NAN; self.context.surface.vertex_count()];
+        for ((point, _), off) in moving.points.iter().zip(off) {
             if let SurfacePoint::Vertex(v) = point {
                 values[*v as usize] = *off;
             }
         }
-        let field = vertex_field::on_mesh(self.context.surface, &values);
-        Ok(Measured { statistics, about: vec![], field, field_unit: "off the source, %", field_high: 15.0 })
+        vertex_field::on_mesh(self.context.surface, &values)
     }
 }
 

@@ -18,6 +18,9 @@ pub struct SourcePoses<'a> {
     pub diagonal: f64,
     /// The edges at rest.
     pub edges: Elements<2>,
+    /// The vertices that edges use, and the number of edges of each.
+    used: Vec<u32>,
+    edges_at: Vec<f64>,
 }
 
 /// What a pose does as a whole.
@@ -31,32 +34,47 @@ pub struct PoseFrame {
 impl<'a> SourcePoses<'a> {
     /// The poses of `surface`.
     pub fn new(surface: &'a Surface) -> Self {
-        Self { surface, diagonal: surface.diagonal(), edges: elements::edges(surface) }
+        let edges = elements::edges(surface);
+        let mut count = vec![0.0; surface.vertex_count()];
+        edges.corners.iter().flatten().for_each(|&v| count[v as usize] += 1.0);
+        let used: Vec<u32> = (0..surface.vertex_count() as u32).filter(|&v| count[v as usize] > 0.0).collect();
+        let edges_at = used.iter().map(|&v| count[v as usize]).collect();
+        Self { surface, diagonal: surface.diagonal(), edges, used, edges_at }
     }
 
     /// The scale of a pose; 1 where nothing is finite.
     pub fn scale(&self, posed: &[Point3<f64>]) -> f64 {
-        let stretches = self.edges.logarithms(posed).into_iter().zip(self.edges.rest.iter().copied());
-        Distribution::weighted(stretches).map_or(1.0, |stretches| stretches.percentile(0.5).exp())
+        self.scale_of(&self.edges.sizes(posed))
+    }
+
+    /// The scale of a pose with edges of these lengths.
+    fn scale_of(&self, lengths: &[f64]) -> f64 {
+        let stretches = self.edges.ratios(lengths).into_iter().zip(self.edges.rest.iter().copied());
+        Distribution::weighted(stretches).map_or(1.0, |stretches| stretches.percentile(0.5))
     }
 
     /// The scale and the turn of a pose.
     pub fn frame(&self, posed: &[Point3<f64>]) -> PoseFrame {
-        let of_corners = |positions: &[Point3<f64>]| -> Vec<Point3<f64>> {
-            self.edges.corners.iter().flatten().map(|&v| positions[v as usize]).collect()
-        };
-        let (from, to) = (of_corners(posed), of_corners(&self.surface.positions));
-        let similarity = Similarity::fit(&from, &to, &vec![1.0; from.len()], Orientation::Fitted);
-        PoseFrame { scale: self.scale(posed), back: similarity.rotation }
+        self.frame_of(posed, &self.edges.sizes(posed))
     }
 
-    /// The largest motion of a vertex, ‖Q ũ / κ − u‖ less the mean motion, in percent of the diagonal.
-    pub fn reach(&self, posed: &[Point3<f64>]) -> f64 {
-        let frame = self.frame(posed);
-        let motion =
-            |&v: &u32| frame.back * posed[v as usize].coords / frame.scale - self.surface.positions[v as usize].coords;
-        let motions: Vec<Vector3<f64>> = self.edges.corners.iter().flatten().map(motion).collect();
-        let mean = motions.iter().sum::<Vector3<f64>>() / motions.len().max(1) as f64;
+    /// The same of a pose whose edges have these lengths. Each vertex counts by its edges.
+    pub fn frame_of(&self, posed: &[Point3<f64>], lengths: &[f64]) -> PoseFrame {
+        let of_used = |positions: &[Point3<f64>]| -> Vec<Point3<f64>> {
+            self.used.iter().map(|&v| positions[v as usize]).collect()
+        };
+        let (from, to) = (of_used(posed), of_used(&self.surface.positions));
+        let similarity = Similarity::fit(&from, &to, &self.edges_at, Orientation::Fitted);
+        PoseFrame { scale: self.scale_of(lengths), back: similarity.rotation }
+    }
+
+    /// The largest motion of a vertex, ‖Q ũ / κ − u‖ less the mean motion, in percent of the diagonal; `frame` is that of the pose.
+    pub fn reach(&self, posed: &[Point3<f64>], frame: &PoseFrame) -> f64 {
+        let back = frame.back / frame.scale;
+        let motion = |&v: &u32| back * posed[v as usize].coords - self.surface.positions[v as usize].coords;
+        let motions: Vec<Vector3<f64>> = self.used.iter().map(motion).collect();
+        let weighted = motions.iter().zip(&self.edges_at).map(|(motion, edges)| motion * *edges);
+        let mean = weighted.sum::<Vector3<f64>>() / self.edges_at.iter().sum::<f64>().max(1.0);
         let largest = motions.iter().map(|d| (d - mean).norm()).filter(|size| size.is_finite()).fold(0.0, f64::max);
         100.0 * largest / self.diagonal
     }

@@ -133,19 +133,11 @@ impl<'a> Solids<'a> {
 
     /// The volume of each component at `posed`.
     fn volumes(&self, posed: &[Point3<f64>]) -> Vec<f64> {
-        let mut centres = vec![(Vector3::zeros(), 0.0); self.count];
+        let mut sums = vec![Sums::default(); self.count];
         for (t, &c) in self.surface.triangles.iter().zip(&self.component) {
-            // Any point would do for closed components.
-            let (sum, number) = &mut centres[c as usize];
-            t.iter().for_each(|&v| *sum += posed[v as usize].coords);
-            *number += 3.0;
+            sums[c as usize].add(t.map(|v| posed[v as usize]));
         }
-        let mut volumes = vec![0.0; self.count];
-        for ((t, n), &c) in self.surface.triangles.iter().zip(self.surface.area_normals(posed)).zip(&self.component) {
-            let (sum, number) = &centres[c as usize];
-            volumes[c as usize] += (posed[t[0] as usize].coords - sum / *number).dot(&n) / 6.0;
-        }
-        volumes
+        sums.iter().map(Sums::volume).collect()
     }
 
     /// V / V₀; `None` if there is no solid, or the ratio is not finite.
@@ -170,6 +162,37 @@ impl<'a> Solids<'a> {
         let change = |c: usize| if is_large(c) { logarithm(ratio(c)).abs() } else { f64::NAN };
         let worst = first_largest(&(0..self.count).map(change).collect::<Vec<_>>())?;
         ratio(worst).is_finite().then(|| (worst, ratio(worst)))
+    }
+}
+
+/// Sums over the triangles abc of a component, taken from its first corner so that nothing cancels out far from the origin.
+#[derive(Clone, Default)]
+struct Sums {
+    first: Option<Point3<f64>>,
+    triangles: f64,
+    /// Σ a + b + c.
+    corners: Vector3<f64>,
+    /// Σ n, with n = (b − a) × (c − a).
+    normals: Vector3<f64>,
+    /// Σ a · n.
+    products: f64,
+}
+
+impl Sums {
+    fn add(&mut self, corners: [Point3<f64>; 3]) {
+        let first = *self.first.get_or_insert(corners[0]);
+        let [a, b, c] = corners.map(|corner| corner - first);
+        let normal = (b - a).cross(&(c - a));
+        self.triangles += 1.0;
+        self.corners += a + b + c;
+        self.normals += normal;
+        self.products += a.dot(&normal);
+    }
+
+    /// Σ (a − g) · n / 6, with g the mean of the corners. Any point would do for closed components.
+    fn volume(&self) -> f64 {
+        let mean = self.corners / (3.0 * self.triangles);
+        if self.triangles > 0.0 { (self.products - mean.dot(&self.normals)) / 6.0 } else { 0.0 }
     }
 }
 

@@ -83,6 +83,7 @@ impl Scene {
             ground_truth: Some(Posed::without_seams(&self.ground_truth)),
             source: Some(&self.source[0]),
             before: [frame(1), frame(2)],
+            wants_field: false,
         };
         metric.bind(context).unwrap().measure(input).unwrap().statistics
     }

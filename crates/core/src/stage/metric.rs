@@ -110,6 +110,8 @@ pub struct MetricInput<'a> {
     /// They are frames if the run is a motion. A metric of motions cannot know that, so it must not alarm where poses are
     /// unrelated.
     pub before: [Option<Frame<'a>>; 2],
+    /// Whether [`Measured::field`] is looked at; a metric may leave it empty where it is not.
+    pub wants_field: bool,
 }
 
 /// A pose before the one that is measured.
@@ -128,7 +130,8 @@ pub struct Measured {
     pub statistics: Figures,
     /// Statistics that belong to one thing among many, with the name of that thing, e.g. `marker 28`.
     pub about: Vec<(&'static str, String)>,
-    /// For pictures: the error at each vertex of the target's mesh (≥ 0, NaN where unknown); empty if that makes no sense.
+    /// For pictures: the error at each vertex of the target's mesh (≥ 0, NaN where unknown); empty if that makes no sense, or is not
+    /// asked for.
     pub field: Vec<f64>,
     /// Name and unit of `field` in a word or two, e.g. `error, %`.
     pub field_unit: &'static str,
@@ -184,9 +187,9 @@ impl<'a> Posed<'a> {
 }
 
 impl<'a> MetricInput<'a> {
-    /// A result of which nothing else is known.
+    /// A result of which nothing else is known, with a field.
     pub fn alone(result: Posed<'a>) -> Self {
-        Self { result, ground_truth: None, source: None, before: [None; 2] }
+        Self { result, ground_truth: None, source: None, before: [None; 2], wants_field: true }
     }
 
     /// A result and the positions that it should have.

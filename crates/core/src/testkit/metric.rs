@@ -78,6 +78,7 @@ impl Scene {
             ground_truth: Some(Posed::without_seams(ground_truth)),
             source: Some(source),
             before: [frame(&self.before), frame(&self.surface.positions)],
+            wants_field: true,
         }
     }
 
@@ -129,6 +130,10 @@ fn measures_poses(name: &str, stage: &dyn Metric, scene: &Scene) {
         assert!(measured.statistics == again.statistics, "{name}: other statistics on one thread");
         assert!(bits(&measured.field) == bits(&again.field), "{name}: another field on one thread");
         assert!(measured.about == again.about, "{name}: about something else on one thread");
+        let input = MetricInput { wants_field: false, ..scene.input(result, ground_truth, ground_truth) };
+        let without = expect(name, bound.measure(input));
+        assert!(measured.statistics == without.statistics, "{name}: other statistics without a field");
+        assert!(measured.about == without.about, "{name}: about something else without a field");
     }
     let alone = stage.bind(MetricContext::alone(&scene.mesh, &scene.surface));
     let alone = alone.unwrap_or_else(|error| panic!("{name}: {error}"));

@@ -83,11 +83,13 @@ impl Measurer<'_> {
         });
         let ground_truth = positions.as_ref().map(|[mesh, surface]| Posed { mesh, surface });
         let source = posed.source.as_deref();
-        let measurements = self.metrics.measure(MetricInput { result: posed.posed(), ground_truth, source, before });
+        let (result, wants_field) = (posed.posed(), self.thumbnails.is_some());
+        let measurements = self.metrics.measure(MetricInput { result, ground_truth, source, before, wants_field });
         let mut metrics = measurements.metrics();
         if let Some(ground_truth) = ground_truth {
             let rest = Posed { mesh: &target.sequence.rest.positions, surface: &target.seen_surface().positions };
-            let baseline = self.metrics.measure_against_ground_truth(MetricInput::against(rest, ground_truth));
+            let input = MetricInput { wants_field: false, ..MetricInput::against(rest, ground_truth) };
+            let baseline = self.metrics.measure_against_ground_truth(input);
             metrics.rest_baseline = baseline.statistics();
         }
         if let Some(cache) = cache.filter(|_| !unreadable) {
