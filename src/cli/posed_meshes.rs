@@ -40,12 +40,10 @@ pub fn read_all(formats: &Formats, pattern: &str, file_name: fn(&GlobMatch) -> S
             all.push(PosedMesh { name: file_name(&found), mesh: rest, file: found.path });
             continue;
         }
-        let posed = |pose: Pose| PosedMesh {
-            name: pose.name,
-            mesh: Mesh { positions: pose.positions.get().into_owned(), ..rest.clone() },
-            file: found.path.clone(),
-        };
-        all.extend(poses.into_iter().map(posed));
+        for Pose { name, positions, .. } in poses {
+            let positions = positions.get().map_err(|error| in_file(&found.path, error))?.into_owned();
+            all.push(PosedMesh { name, mesh: Mesh { positions, ..rest.clone() }, file: found.path.clone() });
+        }
     }
     Ok(all)
 }

@@ -31,6 +31,6 @@ pub fn write(project: &Project, name: &str, settings: Value) {
     let mesh = animal(settings);
     project.write(&format!("{name}.obj"), &obj(&mesh, &mesh.rest.positions));
     for pose in &mesh.poses {
-        project.write(&format!("{name}-{}.obj", pose.name), &obj(&mesh, &pose.positions.get()));
+        project.write(&format!("{name}-{}.obj", pose.name), &obj(&mesh, &pose.positions.get().unwrap()));
     }
 }

@@ -280,9 +280,12 @@ fn made(proportions: &str, gait: &str, made_of: &str, chooses: bool) -> Case {
             case.markers.push(pair);
         }
     }
-    case.poses =
-        horse.poses.iter().map(|p| (p.name.clone(), case.source.from_mesh(&p.positions.get()).unwrap())).collect();
-    case.truth = animal.poses.into_iter().map(|pose| pose.positions.get().into_owned()).collect();
+    case.poses = horse
+        .poses
+        .iter()
+        .map(|p| (p.name.clone(), case.source.from_mesh(&p.positions.get().unwrap()).unwrap()))
+        .collect();
+    case.truth = animal.poses.into_iter().map(|pose| pose.positions.get().unwrap().into_owned()).collect();
     case
 }
 

@@ -7,7 +7,10 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use mimesh_core::{Error, Result, stage::FileInput};
+use mimesh_core::{
+    Error, Result,
+    stage::{BytesInput, FileInput, ReadAt},
+};
 
 /// The folders whose regular files a mesh file may open; links are resolved first.
 ///
@@ -68,6 +71,17 @@ impl FileInput for FileOnDisk<'_> {
         Ok(fs::read(&self.path).map_err(|error| Error::read(&self.path, error))?.into())
     }
 
+    fn open(&self) -> Result<Box<dyn ReadAt>> {
+        let failed = |error| Error::read(&self.path, error);
+        let file = fs::File::open(&self.path).map_err(failed)?;
+        let metadata = file.metadata().map_err(failed)?;
+        if metadata.is_file() {
+            return Ok(Box::new(OpenFile { path: self.path.clone(), file, length: metadata.len() }));
+        }
+        // A pipe has no parts.
+        Ok(Box::new(BytesInput::new(&self.path, self.contents()?)))
+    }
+
     fn referenced(&self, reference: &str) -> Result<Vec<u8>> {
         let path = self.path_of(reference);
         let failed = |error| Error::read(&path, error);
@@ -83,6 +97,44 @@ impl FileInput for FileOnDisk<'_> {
         file.read_to_end(&mut contents).map_err(failed)?;
         Ok(contents)
     }
+}
+
+/// A regular file that is read by parts.
+#[derive(Debug)]
+struct OpenFile {
+    path: PathBuf,
+    file: fs::File,
+    length: u64,
+}
+
+impl ReadAt for OpenFile {
+    fn length(&self) -> u64 {
+        self.length
+    }
+
+    fn read_at(&self, offset: u64, part: &mut [u8]) -> Result<()> {
+        read_exact_at(&self.file, offset, part).map_err(|error| Error::read(&self.path, error))
+    }
+}
+
+/// Fills `part` from `offset` on; several threads may read one file at a time.
+#[cfg(unix)]
+fn read_exact_at(file: &fs::File, offset: u64, part: &mut [u8]) -> io::Result<()> {
+    std::os::unix::fs::FileExt::read_exact_at(file, part, offset)
+}
+
+/// Fills `part` from `offset` on; several threads may read one file at a time.
+#[cfg(windows)]
+fn read_exact_at(file: &fs::File, mut offset: u64, mut part: &mut [u8]) -> io::Result<()> {
+    while !part.is_empty() {
+        let count = std::os::windows::fs::FileExt::seek_read(file, part, offset)?;
+        if count == 0 {
+            return Err(io::ErrorKind::UnexpectedEof.into());
+        }
+        part = &mut part[count..];
+        offset += count as u64;
+    }
+    Ok(())
 }
 
 /// Whether both are of one file, as far as the system tells.
@@ -101,6 +153,26 @@ fn is_same(a: &fs::Metadata, b: &fs::Metadata) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_file_that_is_read_by_parts_gives_its_bytes_and_an_error_beyond_its_end() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.bin");
+        fs::write(&path, b"0123456789").unwrap();
+        let reach = Reach::default();
+        let on_disk = FileOnDisk { path: path.clone(), reach: &reach }.open().unwrap();
+        let in_memory = BytesInput::new(&path, "0123456789");
+        for file in [&*on_disk, &in_memory] {
+            assert_eq!(file.length(), 10);
+            let mut part = [0; 4];
+            file.read_at(3, &mut part).unwrap();
+            assert_eq!(&part, b"3456");
+            for offset in [7, 10, 11, u64::MAX] {
+                let message = file.read_at(offset, &mut part).unwrap_err().to_string();
+                assert!(message.contains("a.bin"), "{message}");
+            }
+        }
+    }
 
     #[test]
     fn a_mesh_opens_regular_files_below_its_folder_and_the_given_ones_only() {

@@ -31,7 +31,7 @@ pub const MAX_WRITTEN_NAME: usize = MAX_NAME - AFFIXES;
 /// The temporary files that exist.
 static TEMPORARY: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 
-/// A complete file that waits to be moved into its place; dropped, it is removed.
+/// A file that is being written, or waits to be moved into its place; dropped, it is removed.
 #[derive(Debug)]
 pub struct Staged {
     temporary: PathBuf,
@@ -53,6 +53,40 @@ pub struct WrittenFile {
 }
 
 impl Staged {
+    /// An empty temporary file for `place`, and the file to write to; folders are made as needed.
+    ///
+    /// # Errors
+    ///
+    /// Those of the system about `place`.
+    pub fn create(place: &Path) -> Result<(Self, File)> {
+        let folder = place.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        std::fs::create_dir_all(folder).map_err(|error| Error::write(folder, error).into_diagnostic())?;
+        let name = place.file_name().unwrap_or_default().to_string_lossy();
+        let temporary = folder.join(format!(".{name}.{}.part", std::process::id()));
+        // The name is known before the file exists, so that an interrupt between the two leaves nothing.
+        locked().insert(temporary.clone());
+        let staged = Self { temporary, place: place.into(), bytes: 0, renamed: BTreeMap::new() };
+        let file = File::options().read(true).write(true).create(true).truncate(true).open(&staged.temporary);
+        let file = file.map_err(|error| Error::write(place, error).into_diagnostic())?;
+        Ok((staged, file))
+    }
+
+    /// Notes the size of the file, which is complete.
+    ///
+    /// # Errors
+    ///
+    /// Those of the system about its place.
+    pub fn close(&mut self) -> Result<()> {
+        let failed = |error| Error::write(&self.place, error).into_diagnostic();
+        self.bytes = std::fs::metadata(&self.temporary).map_err(failed)?.len();
+        Ok(())
+    }
+
+    /// Where the file will be.
+    pub fn place(&self) -> &Path {
+        &self.place
+    }
+
     /// Notes the poses that the file has under another name, with that name.
     pub fn set_renamed(&mut self, renamed: &[(String, String)]) {
         self.renamed = renamed.iter().cloned().collect();
@@ -70,18 +104,11 @@ impl Staged {
 ///
 /// Those of `write`, and of the system about `place`.
 pub fn stage(place: &Path, write: impl FnOnce(&mut dyn Write) -> mimesh_core::Result<()>) -> Result<Staged> {
-    let failed = |error: io::Error| Error::write(place, error).into_diagnostic();
-    let folder = place.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    std::fs::create_dir_all(folder).map_err(|error| Error::write(folder, error).into_diagnostic())?;
-    let name = place.file_name().unwrap_or_default().to_string_lossy();
-    let temporary = folder.join(format!(".{name}.{}.part", std::process::id()));
-    // The name is known before the file exists, so that an interrupt between the two leaves nothing.
-    locked().insert(temporary.clone());
-    let mut staged = Staged { temporary, place: place.into(), bytes: 0, renamed: BTreeMap::new() };
-    let mut out = BufWriter::with_capacity(1 << 16, File::create(&staged.temporary).map_err(failed)?);
+    let (mut staged, file) = Staged::create(place)?;
+    let mut out = BufWriter::with_capacity(1 << 16, file);
     write(&mut out).map_err(IntoDiagnostic::into_diagnostic)?;
-    out.flush().map_err(failed)?;
-    staged.bytes = out.get_ref().metadata().map_err(failed)?.len();
+    out.flush().map_err(|error| Error::write(place, error).into_diagnostic())?;
+    staged.close()?;
     Ok(staged)
 }
 

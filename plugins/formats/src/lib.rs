@@ -30,6 +30,7 @@ mod paths;
 mod ply;
 mod point_cache;
 mod stl;
+mod tail;
 mod usd;
 
 pub use fbx::Fbx;

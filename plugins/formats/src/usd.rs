@@ -1,9 +1,6 @@
 //! USD as text, out: a mesh whose points have a time sample a pose.
 
-use std::{
-    fs::File,
-    io::{self, BufWriter, Seek, SeekFrom, Write},
-};
+use std::io::{self, Write};
 
 use mimesh_core::{
     Error, Result,
@@ -11,11 +8,13 @@ use mimesh_core::{
     plugin::check_ranges,
     register,
     spatial::{LengthUnit, MeshUnits, UpAxis},
-    stage::{FileInput, Format, MeshWriter, Selection, SequenceFormat, SequenceWriter, WriteError},
+    stage::{FileInput, Format, MeshWriter, Selection, SequenceFile, SequenceFormat, SequenceWriter, WriteError},
 };
 use nalgebra::Point3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+
+use crate::tail::Tail;
 
 register!(Format: Usda);
 
@@ -65,7 +64,12 @@ impl Format for Usda {
 }
 
 impl SequenceFormat for Usda {
-    fn start(&self, mesh: &Mesh) -> Result<Box<dyn SequenceWriter>, WriteError> {
+    fn start(
+        &self,
+        mesh: &Mesh,
+        _poses: usize,
+        file: Box<dyn SequenceFile>,
+    ) -> Result<Box<dyn SequenceWriter>, WriteError> {
         check_ranges(self)?;
         mesh.validate()?;
         if self.up == UpAxis::X {
@@ -79,7 +83,7 @@ impl SequenceFormat for Usda {
             vertices: mesh.positions.len(),
             still,
             lost: lost(mesh),
-            spool: BufWriter::with_capacity(1 << 16, tempfile::tempfile()?),
+            samples: Tail::new(file),
             last: None,
             first: 0.0,
             unnamed: false,
@@ -88,14 +92,14 @@ impl SequenceFormat for Usda {
     }
 }
 
-/// A file in the making: the poses go to a temporary file, since the head of the file has the last time.
+/// A file in the making: the poses go behind room for the head, which has the last time.
 struct Writer {
     settings: Usda,
     vertices: usize,
     /// The mesh at rest, as text.
     still: Vec<u8>,
     lost: Vec<&'static str>,
-    spool: BufWriter<File>,
+    samples: Tail,
     /// The frame of the last pose.
     last: Option<f64>,
     first: f64,
@@ -120,9 +124,15 @@ impl SequenceWriter for Writer {
             self.first = frame;
         }
         self.last = Some(frame);
-        write!(self.spool, "            {}: ", rounded(frame))?;
-        write_points(&mut self.spool, positions)?;
-        Ok(writeln!(self.spool, ",")?)
+        write!(self.samples, "            {}: ", rounded(frame))?;
+        write_points(&mut self.samples, positions)?;
+        writeln!(self.samples, ",")?;
+        if self.samples.is_full() {
+            // The last time grows by some digits.
+            let room = self.head()?.len() as u64 + 64;
+            self.samples.leave_room(room)?;
+        }
+        Ok(())
     }
 
     fn warnings(&self) -> Vec<String> {
@@ -139,27 +149,34 @@ impl SequenceWriter for Writer {
         warnings
     }
 
-    fn finish(self: Box<Self>, out: &mut dyn Write) -> Result<(), WriteError> {
-        let mut spool = self.spool.into_inner().map_err(io::IntoInnerError::into_error)?;
-        let Usda { frames_per_second: rate, unit, up } = self.settings;
+    fn finish(mut self: Box<Self>) -> Result<(), WriteError> {
+        let mut head = self.head()?;
+        // Spaces before the first sample fill the room that was left.
+        let room = usize::try_from(self.samples.room()).unwrap_or(usize::MAX);
+        head.resize(head.len().max(room), b' ');
+        let end: &[u8] = if self.last.is_some() { b"        }\n    }\n}\n" } else { b"    }\n}\n" };
+        self.samples.write_all(end)?;
+        Ok(self.samples.finish(&head)?)
+    }
+}
+
+impl Writer {
+    /// All that comes before the samples.
+    fn head(&self) -> io::Result<Vec<u8>> {
+        let mut out = Vec::new();
+        let Usda { frames_per_second: rate, unit, up } = &self.settings;
         writeln!(out, "#usda 1.0\n(\n    defaultPrim = \"target\"\n    metersPerUnit = {}", unit.metres())?;
-        writeln!(
-            out,
-            "    upAxis = \"{}\"\n    timeCodesPerSecond = {rate}\n    framesPerSecond = {rate}",
-            up.name().to_uppercase()
-        )?;
+        let up = up.name().to_uppercase();
+        writeln!(out, "    upAxis = \"{up}\"\n    timeCodesPerSecond = {rate}\n    framesPerSecond = {rate}")?;
         if let Some(last) = self.last {
             writeln!(out, "    startTimeCode = {}\n    endTimeCode = {}", rounded(self.first), rounded(last))?;
         }
         writeln!(out, ")\n\ndef Xform \"target\"\n{{\n    def Mesh \"mesh\"\n    {{")?;
-        out.write_all(&self.still)?;
+        out.extend_from_slice(&self.still);
         if self.last.is_some() {
             writeln!(out, "        point3f[] points.timeSamples = {{")?;
-            spool.seek(SeekFrom::Start(0))?;
-            io::copy(&mut spool, out)?;
-            writeln!(out, "        }}")?;
         }
-        Ok(writeln!(out, "    }}\n}}")?)
+        Ok(out)
     }
 }
 

@@ -8,6 +8,7 @@ use mimesh_core::{
     mesh::{CornerAttribute, Material, Mesh, MeshSequence, Part},
     stage::{Format, MeshWriter, Selection},
     testkit::data::{data, input, missing},
+    testkit::memory_file::MemoryFile,
 };
 use mimesh_formats::{Glb, Gltf, Obj, PoseAnimation};
 use nalgebra::{Point3, Vector3};
@@ -46,11 +47,11 @@ fn furnished() -> Mesh {
 
 fn write_all(format: &dyn Format, mesh: &Mesh, poses: &[(&str, Vec<Point3<f64>>)]) -> Vec<u8> {
     let Some(MeshWriter::Sequence(writer)) = format.writer() else { unreachable!("glTF holds sequences") };
-    let mut writer = writer.start(mesh).unwrap();
+    let file = MemoryFile::default();
+    let mut writer = writer.start(mesh, poses.len(), Box::new(file.clone())).unwrap();
     poses.iter().for_each(|(name, positions)| writer.add(name, None, positions).unwrap());
-    let mut out = Vec::new();
-    writer.finish(&mut out).unwrap();
-    out
+    writer.finish().unwrap();
+    file.bytes()
 }
 
 /// Two poses: everything moves, and one vertex moves.
@@ -84,7 +85,7 @@ fn check(mesh: &Mesh, poses: &[(&str, Vec<Point3<f64>>)], back: &MeshSequence) {
     for (pose, (_, positions)) in back.poses.iter().zip(poses) {
         let expected = corners(&fans, positions);
         let bound = f32_rounding(&expected) + f32_rounding(&rest);
-        assert!(distance(&corners(&back.rest, &pose.positions.get()), &expected) <= bound);
+        assert!(distance(&corners(&back.rest, &pose.positions.get().unwrap()), &expected) <= bound);
     }
 }
 
@@ -166,18 +167,55 @@ fn equal_input_gives_equal_bytes() {
 }
 
 #[test]
+fn a_glb_that_is_too_large_to_be_held_is_written_as_it_comes() {
+    let mesh = grid(300);
+    let moved = |k: usize| mesh.positions.iter().map(|p| p + Vector3::z() * (k + 1) as f64).collect::<Vec<_>>();
+    // Twelve bytes a vertex and pose: 42 MB, of which 32 are held.
+    let written = |most: usize| {
+        let glb = Glb { pose_normals: false, ..Glb::default() };
+        let Some(MeshWriter::Sequence(format)) = glb.writer() else { unreachable!("glTF holds sequences") };
+        let file = MemoryFile::default();
+        let mut writer = format.start(&mesh, most, Box::new(file.clone())).unwrap();
+        (0..40).for_each(|k| writer.add(&format!("pose-{k}"), None, &moved(k)).unwrap());
+        assert!(file.bytes().len() > 30_000_000, "it is in the file before the end");
+        writer.finish().unwrap();
+        file.bytes()
+    };
+    let expected = written(40);
+    for bytes in [&expected, &written(36), &written(4000)] {
+        let json_length = u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;
+        assert_eq!(u32::from_le_bytes(bytes[8..12].try_into().unwrap()) as usize, bytes.len());
+        let sequence = read(&Glb::default(), "large.glb", bytes).unwrap();
+        assert_eq!(sequence.poses.len(), 40);
+        assert!(
+            distance(
+                &corners(&sequence.rest, &sequence.poses[39].positions.get().unwrap()),
+                &corners(&mesh, &moved(39))
+            ) < 1e-5
+        );
+        // What follows the JSON is the same, however much room was left.
+        let numbers = |bytes: &[u8], json: usize| bytes[20 + json..].to_vec();
+        let of_expected = u32::from_le_bytes(expected[12..16].try_into().unwrap()) as usize;
+        assert!(numbers(bytes, json_length) == numbers(&expected, of_expected));
+    }
+    let json = &expected[20..20 + u32::from_le_bytes(expected[12..16].try_into().unwrap()) as usize];
+    let spaces = json.iter().rev().take_while(|byte| **byte == b' ').count();
+    assert!(spaces < json.len() / 2, "{spaces} of {} bytes of room are left", json.len());
+}
+
+#[test]
 fn what_gltf_cannot_hold_is_an_error() {
     let mut mesh = grid(3);
     mesh.positions[4].x = 1e39;
     let error = Glb::default().writer().map(|writer| match writer {
-        MeshWriter::Sequence(writer) => writer.start(&mesh).err().unwrap().to_string(),
+        MeshWriter::Sequence(writer) => writer.start(&mesh, 0, Box::<MemoryFile>::default()).err().unwrap().to_string(),
         MeshWriter::Pose(_) => unreachable!(),
     });
     assert_eq!(error.unwrap(), "vertex 4 (from 0) has coordinate 1e39, beyond the numbers of glTF");
     let still = Glb { frames_per_second: 0.0, ..Glb::default() };
     let Some(MeshWriter::Sequence(writer)) = still.writer() else { unreachable!() };
     assert_eq!(
-        writer.start(&grid(3)).err().unwrap().to_string(),
+        writer.start(&grid(3), 0, Box::<MemoryFile>::default()).err().unwrap().to_string(),
         "frames_per_second: expected 0.001 to 1000000, found 0"
     );
 }
@@ -267,7 +305,7 @@ proptest! {
         edits.iter().for_each(|(at, byte)| bytes[digits[at.index(digits.len())]] = *byte);
         if let Ok(sequence) = read(&Glb::default(), "a.glb", &bytes) {
             sequence.rest.validate().unwrap();
-            sequence.poses.iter().for_each(|pose| assert_eq!(pose.positions.get().len(), sequence.rest.positions.len()));
+            sequence.poses.iter().for_each(|pose| assert_eq!(pose.positions.get().unwrap().len(), sequence.rest.positions.len()));
         }
     }
 }
@@ -295,7 +333,7 @@ fn an_obj_brings_its_textures_and_its_colours() {
 
     let glb = Glb::default();
     let Some(MeshWriter::Sequence(sequence)) = glb.writer() else { unreachable!("glTF holds sequences") };
-    let warnings = sequence.start(&mesh).unwrap().warnings();
+    let warnings = sequence.start(&mesh, 0, Box::<MemoryFile>::default()).unwrap().warnings();
     assert_eq!(warnings.len(), 2, "{warnings:?}");
     assert!(warnings[0].starts_with("texture left out: `old.tga` is neither PNG nor JPEG"), "{warnings:?}");
     assert!(warnings[1].starts_with("texture left out: `gone.png` cannot be read"), "{warnings:?}");

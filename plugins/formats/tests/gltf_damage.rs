@@ -70,7 +70,7 @@ fn lively() -> File {
 fn check(sequence: &MeshSequence) {
     sequence.rest.validate().unwrap();
     for pose in &sequence.poses {
-        let positions = pose.positions.get();
+        let positions = pose.positions.get().unwrap();
         assert_eq!(positions.len(), sequence.rest.positions.len());
         assert!(positions.iter().all(|p| p.coords.iter().all(|x| x.is_finite())));
     }

@@ -121,7 +121,7 @@ fn nodes_place_meshes_and_primitives_share_vertices() {
     // The displacements are turned and scaled as the mesh is.
     assert_eq!(sequence.poses.len(), 1);
     assert_eq!(sequence.poses[0].name, "target-0");
-    let positions = sequence.poses[0].positions.get();
+    let positions = sequence.poses[0].positions.get().unwrap();
     assert!((positions[1] - p(0., 256., 5.)).norm() < 1e-12);
     assert!((positions[5] - p(-128., 0., 0.)).norm() < 1e-12);
 }

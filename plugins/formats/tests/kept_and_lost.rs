@@ -7,6 +7,7 @@ use std::{collections::BTreeSet, path::Path, sync::Arc};
 use mimesh_core::{
     mesh::{CornerAttribute, Image, Material, Mesh, Part},
     stage::{Format, MeshWriter},
+    testkit::memory_file::MemoryFile,
 };
 use mimesh_formats::{Glb, Obj, Off, Ply, Stl};
 use nalgebra::Point3;
@@ -127,10 +128,11 @@ fn write(format: &dyn Format, mesh: &Mesh) -> (Vec<u8>, Vec<String>) {
             (out, writer.warnings(Path::new(""), mesh))
         }
         MeshWriter::Sequence(sequence) => {
-            let writer = sequence.start(mesh).unwrap();
+            let file = MemoryFile::default();
+            let writer = sequence.start(mesh, 0, Box::new(file.clone())).unwrap();
             let warnings = writer.warnings();
-            writer.finish(&mut out).unwrap();
-            (out, warnings)
+            writer.finish().unwrap();
+            (file.bytes(), warnings)
         }
     }
 }

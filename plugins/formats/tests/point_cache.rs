@@ -2,9 +2,19 @@
 
 mod support;
 
+use std::{
+    borrow::Cow,
+    path::Path,
+    sync::{Arc, Mutex},
+};
+
 use mimesh_core::{
     mesh::{ClipTime, Mesh, MeshSequence},
-    stage::{BytesInput, ClipChoice, ClipTimes, Format, MeshWriter, PoseChoice, RestShape, Selection, SequenceFormat},
+    stage::{
+        BytesInput, ClipChoice, ClipTimes, FileInput, Format, MeshWriter, PoseChoice, ReadAt, RestShape, Selection,
+        SequenceFormat,
+    },
+    testkit::memory_file::MemoryFile,
 };
 use mimesh_formats::{Mdd, Pc2, Usda};
 use nalgebra::{Point3, Vector3};
@@ -27,14 +37,15 @@ fn written(
     times: Option<&[f64]>,
 ) -> (Vec<u8>, Vec<String>) {
     let Some(MeshWriter::Sequence(sequence)) = format.writer() else { panic!("one file takes all poses") };
-    let mut writer = sequence.start(mesh).unwrap();
+    let file = MemoryFile::default();
+    let mut writer = sequence.start(mesh, frames.len(), Box::new(file.clone())).unwrap();
     for (index, frame) in frames.iter().enumerate() {
         let time = times.map(|times| ClipTime { clip: "Run".into(), seconds: times[index] });
         writer.add("pose", time.as_ref(), frame).unwrap();
     }
-    let (mut bytes, warnings) = (Vec::new(), writer.warnings());
-    writer.finish(&mut bytes).unwrap();
-    (bytes, warnings)
+    let warnings = writer.warnings();
+    writer.finish().unwrap();
+    (file.bytes(), warnings)
 }
 
 fn seconds(sequence: &MeshSequence) -> Vec<f64> {
@@ -73,7 +84,11 @@ fn frames_come_back_with_times_and_names() {
         assert_eq!(names(&sequence), ["run-00", "run-01", "run-02"]);
         assert_eq!(seconds(&sequence), [0.5, 1.0, 1.5]);
         assert_eq!(sequence.rest.positions, frames[0]);
-        sequence.poses.iter().zip(&frames).for_each(|(pose, frame)| assert_eq!(&*pose.positions.get(), &frame[..]));
+        sequence
+            .poses
+            .iter()
+            .zip(&frames)
+            .for_each(|(pose, frame)| assert_eq!(&*pose.positions.get().unwrap(), &frame[..]));
         assert!(sequence.rest.polygons.is_empty(), "a cache has no polygons");
         // Between samples the vertices move evenly.
         let choice =
@@ -82,11 +97,64 @@ fn frames_come_back_with_times_and_names() {
         let sequence = format.read(&BytesInput::new(name, &bytes[..]), &choice).unwrap();
         assert_eq!(seconds(&sequence), [1.0, 1.25, 1.5]);
         let between: Vec<_> = frames[1].iter().zip(&frames[2]).map(|(a, b)| nalgebra::center(a, b)).collect();
-        assert!(distance(&sequence.poses[1].positions.get(), &between) < 1e-15);
+        assert!(distance(&sequence.poses[1].positions.get().unwrap(), &between) < 1e-15);
         let rest = RestShape::Clip { name: "run".into(), seconds: 1.5 };
         let late =
             format.read(&BytesInput::new(name, &bytes[..]), &Selection { rest, ..Selection::default() }).unwrap();
         assert_eq!(late.rest.positions, frames[2]);
+    }
+}
+
+/// A file that is read by parts alone, and is cut to `length` while it is used.
+#[derive(Debug)]
+struct ByParts {
+    bytes: BytesInput,
+    length: Arc<Mutex<usize>>,
+}
+
+impl FileInput for ByParts {
+    fn path(&self) -> &Path {
+        self.bytes.path()
+    }
+
+    fn contents(&self) -> mimesh_core::Result<Cow<'_, [u8]>> {
+        panic!("a file as large as this is not held")
+    }
+
+    fn open(&self) -> mimesh_core::Result<Box<dyn ReadAt>> {
+        Ok(Box::new(Self { bytes: self.bytes.clone(), length: self.length.clone() }))
+    }
+
+    fn referenced(&self, reference: &str) -> mimesh_core::Result<Vec<u8>> {
+        self.bytes.referenced(reference)
+    }
+}
+
+impl ReadAt for ByParts {
+    fn length(&self) -> u64 {
+        *self.length.lock().unwrap() as u64
+    }
+
+    fn read_at(&self, offset: u64, part: &mut [u8]) -> mimesh_core::Result<()> {
+        let now = self.bytes.contents[..*self.length.lock().unwrap()].to_vec();
+        BytesInput::new(self.bytes.path(), now).read_at(offset, part)
+    }
+}
+
+#[test]
+fn frames_are_read_when_they_are_asked_for_and_one_that_is_gone_is_an_error() {
+    let (mesh, frames) = moving(5);
+    for (format, name) in [(&Pc2::default() as &dyn Format, "run.pc2"), (&Mdd::default(), "run.mdd")] {
+        let (bytes, _) = written(format, &mesh, &frames, None);
+        let length = Arc::new(Mutex::new(bytes.len()));
+        let input = ByParts { bytes: BytesInput::new(name, bytes), length: length.clone() };
+        let sequence = format.read(&input, &Selection::default()).unwrap();
+        assert_eq!(&*sequence.poses[4].positions.get().unwrap(), &frames[4][..]);
+        // One byte of the last frame is lost.
+        *length.lock().unwrap() -= 1;
+        assert_eq!(&*sequence.poses[3].positions.get().unwrap(), &frames[3][..]);
+        let error = sequence.poses[4].positions.get().unwrap_err().to_string();
+        assert!(error.contains(name), "{error}");
     }
 }
 
@@ -144,7 +212,7 @@ fn damage_is_an_error_that_names_the_file() {
 fn positions_beyond_f32_are_refused() {
     let (mesh, mut frames) = moving(1);
     frames[0][3].y = 1e39;
-    let mut writer = Pc2::default().start(&mesh).unwrap();
+    let mut writer = Pc2::default().start(&mesh, 1, Box::<MemoryFile>::default()).unwrap();
     let error = writer.add("far", None, &frames[0]).unwrap_err().to_string();
     assert_eq!(error, "pose `far` has positions that are not finite as 32-bit numbers");
 }

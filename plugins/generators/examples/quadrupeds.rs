@@ -27,7 +27,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 write_obj(&folder.join(format!("{name}.obj")), &animal.rest, &animal.rest.positions)?;
                 for pose in &animal.poses {
                     let file = format!("{name}-{gait:?}-{}.obj", pose.name).to_lowercase();
-                    write_obj(&folder.join(file), &animal.rest, &pose.positions.get())?;
+                    write_obj(&folder.join(file), &animal.rest, &pose.positions.get()?)?;
                 }
             }
         }

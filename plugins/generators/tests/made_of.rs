@@ -73,7 +73,7 @@ fn every_part_is_one_closed_component_that_faces_outwards_at_rest_and_in_every_p
         check_closed(&animal.rest, &format!("{settings:?}"));
         assert_eq!(animal.poses.len(), 4);
         for pose in &animal.poses {
-            let posed = Mesh { positions: pose.positions.get().into_owned(), ..animal.rest.clone() };
+            let posed = Mesh { positions: pose.positions.get().unwrap().into_owned(), ..animal.rest.clone() };
             check_closed(&posed, &format!("{settings:?} {}", pose.name));
         }
     }
@@ -125,7 +125,7 @@ fn pebbles_and_boxes_move_rigidly() {
         for (part, pose) in animal.rest.parts.iter().flat_map(|part| animal.poses.iter().map(move |pose| (part, pose)))
         {
             let range = vertices(&animal.rest, part);
-            let posed = pose.positions.get();
+            let posed = pose.positions.get().unwrap();
             let (rest, posed) = (&animal.rest.positions[range.clone()], &posed[range]);
             // Distances to four points that do not lie in a plane fix all others.
             for k in (0..4).map(|k| k * (rest.len() - 1) / 3) {
@@ -146,7 +146,7 @@ fn pieces_move_as_the_skin_beside_them() {
         let search = Nearest::new(&skin.rest.positions).unwrap();
         let beside: Vec<_> = animal.rest.positions.iter().map(|p| search.find(p).0 as usize).collect();
         for (pose, posed_skin) in animal.poses.iter().zip(&skin.poses) {
-            let (positions, posed_skin) = (pose.positions.get(), posed_skin.positions.get());
+            let (positions, posed_skin) = (pose.positions.get().unwrap(), posed_skin.positions.get().unwrap());
             let moved: f64 = posed_skin.iter().zip(&skin.rest.positions).map(|(a, b)| (a - b).norm()).sum();
             let moved = moved / skin.rest.positions.len() as f64;
             let differ = |(v, &s): (usize, &usize)| {
@@ -264,7 +264,7 @@ fn size_scales_pieces_and_no_gait_has_no_poses() {
         let (one, large) = (metres.make().unwrap(), Quadruped { size: 100.0, ..metres.clone() }.make().unwrap());
         let scaled = |positions: &[Point3<f64>]| positions.iter().map(|p| p * 100.0).collect::<Vec<_>>();
         assert_eq!(large.rest.positions, scaled(&one.rest.positions));
-        assert_eq!(*large.poses[0].positions.get(), scaled(&one.poses[0].positions.get()));
+        assert_eq!(*large.poses[0].positions.get().unwrap(), scaled(&one.poses[0].positions.get().unwrap()));
         assert!(Quadruped { gait: Gait::None, ..metres }.make().unwrap().poses.is_empty());
     }
 }

@@ -65,12 +65,13 @@ pub fn read_results(
                 })
                 .collect();
             let change = back_to_target(report, formats, path);
-            let posed = |(pose, held): &(&PoseReport, &Pose)| PosedResult {
-                name: pose.name.clone(),
-                mesh: Mesh { positions: changed(change, &held.positions.get()), ..sequence.rest.clone() },
+            let posed = |(pose, held): &(&PoseReport, &Pose)| {
+                let positions = held.positions.get().map_err(|error| error.to_string())?;
+                let mesh = Mesh { positions: changed(change, &positions), ..sequence.rest.clone() };
+                Ok(PosedResult { name: pose.name.clone(), mesh })
             };
             let shown = evenly_spaced(results.len(), max_poses);
-            return Ok(shown.into_iter().map(|i| posed(&results[i])).collect());
+            return shown.into_iter().map(|i| posed(&results[i])).collect();
         }
     }
     Err("its results are not where they were written".into())
@@ -140,13 +141,19 @@ pub struct GroundTruth {
 }
 
 impl GroundTruth {
+    /// The rest and the poses of `sequence`; `None` if one cannot be read.
+    fn held(sequence: MeshSequence) -> Option<Self> {
+        let positions = |pose: Pose| Some((pose.name, pose.positions.get().ok()?.into_owned()));
+        let poses = sequence.poses.into_iter().map(positions).collect::<Option<_>>()?;
+        Some(Self { rest: sequence.rest, poses })
+    }
+
     /// Reads the known results of a run; `None` if it has none, or if they cannot be read.
     pub fn read(report: &Report, formats: &Formats) -> Option<Self> {
         if let Some(generator) = report.settings["target"].get("generator") {
             let generator: Box<dyn Generator> = serde_json::from_value(generator.clone()).ok()?;
             let sequence = generator.make().ok()?;
-            let poses = sequence.poses.into_iter().map(|pose| (pose.name, pose.positions.get().into_owned())).collect();
-            return Some(Self { rest: sequence.rest, poses });
+            return Self::held(sequence);
         }
         let selection = target_selection(report);
         let rest = formats.read(inputs_of_role(report, "target rest").next()?, &selection).ok()?.rest;
@@ -156,8 +163,7 @@ impl GroundTruth {
             && has_all
         {
             let sequence = read_sequence(formats, file, &selection).ok()?;
-            let poses = sequence.poses.into_iter().map(|pose| (pose.name, pose.positions.get().into_owned())).collect();
-            return Some(Self { rest, poses });
+            return Some(Self { rest, ..Self::held(sequence)? });
         }
         if files.len() != report.poses.len() {
             return None;

@@ -116,7 +116,7 @@ mod tests {
         let statistics = Statistics::new(&made.rest).unwrap();
         assert!(statistics.boundary_edges == 0 && statistics.volume.unwrap() > 0.0);
         // The top of an arc of a quarter circle of radius r is at (r, r).
-        let (top, radius) = (made.poses[3].positions.get()[1], 8.0 / std::f64::consts::FRAC_PI_2);
+        let (top, radius) = (made.poses[3].positions.get().unwrap()[1], 8.0 / std::f64::consts::FRAC_PI_2);
         assert!((top - Point3::new(radius, radius, 0.0)).norm() < 1e-12, "{top}");
     }
 }

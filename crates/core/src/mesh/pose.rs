@@ -2,6 +2,8 @@ use std::{borrow::Cow, fmt, sync::Arc};
 
 use nalgebra::Point3;
 
+use crate::Result;
+
 /// A posed mesh: positions for the vertices of a rest mesh.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Pose {
@@ -29,7 +31,9 @@ pub struct ClipTime {
     pub seconds: f64,
 }
 
-/// The positions of a pose: held, or computed each time they are asked for.
+/// The positions of a pose: held, or computed or read each time they are asked for.
+///
+/// Positions that cannot be read equal none.
 #[derive(Clone)]
 pub enum Positions {
     /// Held in memory.
@@ -40,18 +44,26 @@ pub enum Positions {
 
 impl Positions {
     /// The positions, #V × 3.
-    pub fn get(&self) -> Cow<'_, [Point3<f64>]> {
-        match self {
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Io`](crate::Error::Io) if they are read from a file that is not there any more, or has changed.
+    pub fn get(&self) -> Result<Cow<'_, [Point3<f64>]>> {
+        Ok(match self {
             Self::Held(positions) => Cow::Borrowed(positions),
-            Self::Computed(poses, index) => Cow::Owned(poses.positions(*index)),
-        }
+            Self::Computed(poses, index) => Cow::Owned(poses.positions(*index)?),
+        })
     }
 }
 
-/// Computes poses one by one, so that memory does not grow with their number.
+/// Computes or reads poses one by one, so that memory does not grow with their number.
 pub trait ComputePoses: Send + Sync {
     /// The positions of pose `index`, #V × 3; the same at every call.
-    fn positions(&self, index: usize) -> Vec<Point3<f64>>;
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Io`](crate::Error::Io) if they cannot be read.
+    fn positions(&self, index: usize) -> Result<Vec<Point3<f64>>>;
 }
 
 impl Default for Positions {
@@ -68,7 +80,7 @@ impl From<Vec<Point3<f64>>> for Positions {
 
 impl PartialEq for Positions {
     fn eq(&self, other: &Self) -> bool {
-        self.get() == other.get()
+        matches!((self.get(), other.get()), (Ok(a), Ok(b)) if a == b)
     }
 }
 

@@ -21,6 +21,15 @@ pub trait FileInput: Debug + Send + Sync {
     /// [`Error::Io`] if it cannot be read.
     fn contents(&self) -> Result<Cow<'_, [u8]>>;
 
+    /// The file, opened for reading parts of it, so that a large one is not held in memory.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Io`] if it cannot be read.
+    fn open(&self) -> Result<Box<dyn ReadAt>> {
+        Ok(Box::new(BytesInput::new(self.path(), self.contents()?)))
+    }
+
     /// The contents of the file that this one calls `reference`, a path relative to its folder.
     ///
     /// # Errors
@@ -32,6 +41,19 @@ pub trait FileInput: Debug + Send + Sync {
     fn path_of(&self, reference: &str) -> PathBuf {
         self.path().with_file_name(reference)
     }
+}
+
+/// A file that is read by parts.
+pub trait ReadAt: Debug + Send + Sync {
+    /// Its length in bytes.
+    fn length(&self) -> u64;
+
+    /// Fills `part` with the bytes from `offset` on.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Io`] if they cannot be read, or the file ends before.
+    fn read_at(&self, offset: u64, part: &mut [u8]) -> Result<()>;
 }
 
 /// A file whose contents are in memory, with those that it refers to.
@@ -64,5 +86,18 @@ impl FileInput for BytesInput {
     fn referenced(&self, reference: &str) -> Result<Vec<u8>> {
         let known = self.others.get(reference).cloned();
         known.ok_or_else(|| Error::read(&self.path_of(reference), std::io::ErrorKind::NotFound.into()))
+    }
+}
+
+impl ReadAt for BytesInput {
+    fn length(&self) -> u64 {
+        self.contents.len() as u64
+    }
+
+    fn read_at(&self, offset: u64, part: &mut [u8]) -> Result<()> {
+        let from = usize::try_from(offset).ok().and_then(|start| self.contents.get(start..)?.get(..part.len()));
+        let from = from.ok_or_else(|| Error::read(&self.path, std::io::ErrorKind::UnexpectedEof.into()))?;
+        part.copy_from_slice(from);
+        Ok(())
     }
 }

@@ -1,4 +1,8 @@
-use std::{io::Write, path::Path};
+use std::{
+    fs::File,
+    io::{self, Read, Seek, Write},
+    path::Path,
+};
 
 use nalgebra::Point3;
 
@@ -57,12 +61,33 @@ pub trait SequenceFormat {
         Ok(())
     }
 
-    /// Starts a file for `mesh`; poses are added one by one.
+    /// Starts a file of `mesh` in `file`, which is empty; at most `poses` poses are added one by one.
     ///
     /// # Errors
     ///
-    /// If the mesh cannot be written in this format, or there is no room for temporary data.
-    fn start(&self, mesh: &Mesh) -> Result<Box<dyn SequenceWriter>, WriteError>;
+    /// If the mesh cannot be written in this format, or the file cannot be written.
+    fn start(
+        &self,
+        mesh: &Mesh,
+        poses: usize,
+        file: Box<dyn SequenceFile>,
+    ) -> Result<Box<dyn SequenceWriter>, WriteError>;
+}
+
+/// A file that takes poses as they come: the writer goes back to its start for what is known only at the end.
+pub trait SequenceFile: Read + Write + Seek + Send {
+    /// Cuts or extends it to `length` bytes.
+    ///
+    /// # Errors
+    ///
+    /// Those of the system.
+    fn set_length(&mut self, length: u64) -> io::Result<()>;
+}
+
+impl SequenceFile for File {
+    fn set_length(&mut self, length: u64) -> io::Result<()> {
+        self.set_len(length)
+    }
 }
 
 /// A file in the making that takes poses.
@@ -71,7 +96,7 @@ pub trait SequenceWriter: Send {
     ///
     /// # Errors
     ///
-    /// [`Error::Shape`] if the count differs from the mesh.
+    /// [`Error::Shape`] if the count differs from the mesh, and those of the file.
     fn add(&mut self, name: &str, time: Option<&ClipTime>, positions: &[Point3<f64>]) -> Result<(), WriteError>;
 
     /// Says what the poses are, before the first; a writer that is not told judges by their names.
@@ -87,12 +112,12 @@ pub trait SequenceWriter: Send {
         &[]
     }
 
-    /// Writes the file.
+    /// Completes the file.
     ///
     /// # Errors
     ///
-    /// Those of `out`.
-    fn finish(self: Box<Self>, out: &mut dyn Write) -> Result<(), WriteError>;
+    /// Those of the file.
+    fn finish(self: Box<Self>) -> Result<(), WriteError>;
 }
 
 /// The error of writing, before a path is known.

@@ -2,7 +2,10 @@
 
 use nalgebra::Point3;
 
-use super::support::{bent_bar, near_within, twisted};
+use super::{
+    memory_file::MemoryFile,
+    support::{bent_bar, near_within, twisted},
+};
 use crate::{
     mesh::{Mesh, Polygons},
     stage::{BytesInput, Format, MeshWriter, Selection},
@@ -44,7 +47,7 @@ pub fn format(name: &str, stage: &dyn Format) {
             if stage.holds_faces() {
                 near_within(name, "rest positions come back", &read.rest.positions, &rest.positions, TOLERANCE);
             }
-            read.poses.last().map(|pose| pose.positions.get().into_owned()).unwrap_or_default()
+            read.poses.last().map(|pose| pose.positions.get().unwrap().into_owned()).unwrap_or_default()
         }
         _ => read.rest.positions,
     };
@@ -56,10 +59,15 @@ fn written(name: &str, stage: &dyn Format, rest: &Mesh, posed: &[Point3<f64>]) -
     let mut bytes = Vec::new();
     let written = match stage.writer()? {
         MeshWriter::Pose(writer) => writer.write(rest, posed, &mut bytes),
-        MeshWriter::Sequence(format) => format.start(rest).and_then(|mut writer| {
-            writer.add("posed", None, posed)?;
-            writer.finish(&mut bytes)
-        }),
+        MeshWriter::Sequence(format) => {
+            let file = MemoryFile::default();
+            let written = format.start(rest, 1, Box::new(file.clone())).and_then(|mut writer| {
+                writer.add("posed", None, posed)?;
+                writer.finish()
+            });
+            bytes = file.bytes();
+            written
+        }
     };
     written.unwrap_or_else(|error| panic!("{name}: {error}"));
     Some(bytes)

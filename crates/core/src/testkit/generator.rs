@@ -9,7 +9,7 @@ pub fn generator(name: &str, stage: &dyn Generator) {
     let sequence = make();
     sequence.rest.validate().unwrap_or_else(|error| panic!("{name}: {error}"));
     for pose in &sequence.poses {
-        let positions = pose.positions.get();
+        let positions = pose.positions.get().unwrap();
         assert_eq!(positions.len(), sequence.rest.positions.len(), "{name}: pose {}", pose.name);
         assert!(positions.iter().all(|p| p.coords.iter().all(|x| x.is_finite())), "{name}: pose {}", pose.name);
     }

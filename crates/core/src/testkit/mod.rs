@@ -9,6 +9,7 @@ mod format;
 mod generator;
 mod key_points;
 mod landmarks;
+pub mod memory_file;
 pub mod meshes;
 mod metric;
 mod proximity;

@@ -49,7 +49,7 @@ pub(super) fn hash_of_pose(
 ) -> Option<Hash> {
     let mut hasher = Hasher::new();
     match &pose.from {
-        PoseFrom::Held(i) => update_points(&mut hasher, &source.sequence.poses[*i].positions.get()),
+        PoseFrom::Held(i) => update_points(&mut hasher, &source.sequence.poses[*i].positions.get().ok()?),
         PoseFrom::File(path) => {
             // How a file is read may depend on the mesh at rest.
             hasher.update(of_source.as_bytes());
@@ -93,7 +93,7 @@ pub(super) fn hash_of_ground_truth(prepared: &Prepared, i: usize) -> Option<Hash
         GroundTruth::None => _ = hasher.update(b"none"),
         GroundTruth::Held(by_name) => {
             if let Some(positions) = by_name.get(&prepared.poses[i].name) {
-                update_points(&mut hasher, positions);
+                update_points(&mut hasher, &positions.get().ok()?);
             }
         }
         GroundTruth::Files { files, .. } => update_file(&mut hasher, &prepared.formats, &prepared.hashes, &files[i])?,

@@ -254,7 +254,7 @@ struct Converted {
 }
 
 impl ComputePoses for Converted {
-    fn positions(&self, _: usize) -> Vec<Point3<f64>> {
-        self.positions.get().iter().map(|p| self.change.apply(p)).collect()
+    fn positions(&self, _: usize) -> mimesh_core::Result<Vec<Point3<f64>>> {
+        Ok(self.positions.get()?.iter().map(|p| self.change.apply(p)).collect())
     }
 }

@@ -4,7 +4,7 @@ use std::{collections::HashMap, path::PathBuf};
 
 use mimesh_core::{
     Result,
-    mesh::{Mesh, Pose},
+    mesh::{Mesh, Pose, Positions},
     stage::Selection,
 };
 use nalgebra::Point3;
@@ -25,13 +25,13 @@ pub enum GroundTruth {
         meshes: Vec<String>,
     },
     /// Positions by the name of the pose.
-    Held(HashMap<String, Vec<Point3<f64>>>),
+    Held(HashMap<String, Positions>),
 }
 
 impl GroundTruth {
     /// The positions that `poses` hold.
     pub fn held(poses: &[Pose]) -> Self {
-        Self::Held(poses.iter().map(|pose| (pose.name.clone(), pose.positions.get().into_owned())).collect())
+        Self::Held(poses.iter().map(|pose| (pose.name.clone(), pose.positions.clone())).collect())
     }
 
     /// Whether nothing is known.
@@ -47,7 +47,7 @@ impl GroundTruth {
     pub fn positions(&self, i: usize, name: &str, rest: &Mesh, formats: &Formats) -> Result<Option<Vec<Point3<f64>>>> {
         match self {
             Self::None => Ok(None),
-            Self::Held(by_name) => Ok(by_name.get(name).cloned()),
+            Self::Held(by_name) => by_name.get(name).map(|positions| Ok(positions.get()?.into_owned())).transpose(),
             Self::Files { files, meshes } => match formats.reader(&files[i]) {
                 Ok(_) => {
                     let selection = Selection { meshes: meshes.clone(), ..Selection::default() };

@@ -53,7 +53,7 @@ pub fn poses_are(declared: Option<PosesAre>, poses: &[PoseInput]) -> PosesAre {
 /// If the pose cannot be read, is no pose of the source, or is not finite.
 pub fn read_pose(source: &RestMesh, formats: &Formats, from: &PoseFrom) -> Result<Vec<Point3<f64>>> {
     let positions = match from {
-        PoseFrom::Held(i) => source.sequence.poses[*i].positions.get().into_owned(),
+        PoseFrom::Held(i) => source.sequence.poses[*i].positions.get()?.into_owned(),
         PoseFrom::File(path) => {
             let Selection { meshes, same_vertices, .. } = &source.selection;
             let selection = Selection { meshes: meshes.clone(), same_vertices: *same_vertices, ..Selection::default() };

@@ -1,9 +1,6 @@
 //! The files of results: one for each pose, or one that takes all of them.
 
-use std::{
-    borrow::Cow,
-    path::{Path, PathBuf},
-};
+use std::{borrow::Cow, path::Path};
 
 use mimesh_core::{
     Error, Result,
@@ -19,20 +16,21 @@ use crate::{
 };
 
 /// A file in the making that takes all poses.
-pub(super) struct SequenceFile<'a> {
-    path: PathBuf,
-    writer: Box<dyn SequenceWriter + 'a>,
+pub(super) struct PosesFile<'a> {
+    // Dropped first, since some systems keep a file that is open.
+    writer: Box<dyn SequenceWriter>,
+    staged: Staged,
     /// The change of unit and axes before its poses are added.
     change: Option<&'a OutputChange>,
 }
 
-impl<'a> SequenceFile<'a> {
+impl<'a> PosesFile<'a> {
     /// The files of a run that take all poses.
     ///
     /// # Errors
     ///
     /// If one cannot be begun.
-    pub fn all(prepared: &'a Prepared) -> Result<Vec<Self>> {
+    pub fn all(prepared: &'a Prepared) -> diagnostic::Result<Vec<Self>> {
         let mut files = Vec::new();
         for output in &prepared.outputs.meshes {
             let Output::Sequence(path) = output else { continue };
@@ -40,9 +38,11 @@ impl<'a> SequenceFile<'a> {
                 && let Some(MeshWriter::Sequence(sequence)) = format.writer()
             {
                 let (rest, change) = (prepared.written_rest(format), prepared.output_change(format));
-                let mut writer = sequence.start(rest).map_err(|error| write_error(path, error))?;
+                let (staged, file) = Staged::create(path).map_err(cannot_write)?;
+                let started = sequence.start(rest, prepared.poses.len(), Box::new(file));
+                let mut writer = started.map_err(|error| write_error(path, error).into_diagnostic())?;
                 writer.set_poses_are(prepared.poses_are);
-                files.push(Self { path: path.clone(), writer, change });
+                files.push(Self { staged, writer, change });
             }
         }
         Ok(files)
@@ -56,7 +56,7 @@ impl<'a> SequenceFile<'a> {
     pub fn add(&mut self, pose: &PoseInput, positions: &[Point3<f64>]) -> Result<(), Diagnostic> {
         let positions = in_units_of(self.change, positions);
         let added = self.writer.add(&pose.name, pose.time.as_ref(), &positions);
-        added.map_err(|error| write_error(&self.path, error).into_diagnostic())
+        added.map_err(|error| write_error(self.staged.place(), error).into_diagnostic())
     }
 
     /// Ends the file; it is still at its temporary name. With it, sentences about what it does not keep.
@@ -65,12 +65,13 @@ impl<'a> SequenceFile<'a> {
     ///
     /// If it cannot be written.
     pub fn finish(self) -> diagnostic::Result<(Staged, Vec<String>)> {
-        let Self { path, writer, .. } = self;
-        let warnings = writer.warnings().iter().map(|warning| format!("{}: {warning}", path.display())).collect();
-        let renamed = writer.renamed().to_vec();
-        let mut file = staging::stage(&path, |out| writer.finish(out).map_err(|error| write_error(&path, error)))?;
-        file.set_renamed(&renamed);
-        Ok((file, warnings))
+        let Self { mut staged, writer, .. } = self;
+        let place = staged.place().display().to_string();
+        let warnings = writer.warnings().iter().map(|warning| format!("{place}: {warning}")).collect();
+        staged.set_renamed(writer.renamed());
+        writer.finish().map_err(|error| write_error(staged.place(), error).into_diagnostic())?;
+        staged.close()?;
+        Ok((staged, warnings))
     }
 }
 

@@ -3,10 +3,9 @@
 use std::sync::Mutex;
 
 use mimesh_document::{Diagnostic, Kind, diagnostic};
-use mimesh_markers::IntoDiagnostic;
 
 use super::{
-    files::{SequenceFile, warnings_of_pose_files},
+    files::{PosesFile, warnings_of_pose_files},
     pose_steps::{PoseOutput, PoseSteps},
     poses::PoseRunner,
     schedule::Schedule,
@@ -38,7 +37,7 @@ impl Stream {
     /// If a result cannot be written, or the transfer cannot be bound; poses that fail on their own are in the result.
     pub fn run(runner: &PoseRunner<'_>, progress: &dyn Progress) -> diagnostic::Result<Self> {
         let mut stream = Self::default();
-        let mut sequences = SequenceFile::all(runner.prepared).map_err(IntoDiagnostic::into_diagnostic)?;
+        let mut sequences = PosesFile::all(runner.prepared)?;
         let poses = &runner.prepared.poses;
         let (at_once, in_order) = batches(runner.stages)?;
         let schedule = Schedule { count: poses.len(), batch: at_once, in_order };

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use mimesh_core::mesh::ComputePoses;
+use mimesh_core::{Result, mesh::ComputePoses};
 use nalgebra::{Matrix4, Point3};
 use ufbx::{EvaluateOpts, Mesh, Node, Scene, SceneRoot, Vec3};
 
@@ -118,8 +118,8 @@ impl Evaluator {
 }
 
 impl ComputePoses for Evaluator {
-    fn positions(&self, index: usize) -> Vec<Point3<f64>> {
-        self.shape(&self.poses[index])
+    fn positions(&self, index: usize) -> Result<Vec<Point3<f64>>> {
+        Ok(self.shape(&self.poses[index]))
     }
 }
 

@@ -18,7 +18,9 @@ use mimesh_core::{
     plugin::check_ranges,
     register,
     spatial::{LengthUnit, MeshUnits, UpAxis},
-    stage::{FileInput, Format, MeshWriter, ScenePoint, Selection, SequenceFormat, SequenceWriter, WriteError},
+    stage::{
+        FileInput, Format, MeshWriter, ScenePoint, Selection, SequenceFile, SequenceFormat, SequenceWriter, WriteError,
+    },
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -149,9 +151,14 @@ impl SequenceFormat for Glb {
         size::check(&self.options(), mesh, poses)
     }
 
-    fn start(&self, mesh: &Mesh) -> Result<Box<dyn SequenceWriter>, WriteError> {
+    fn start(
+        &self,
+        mesh: &Mesh,
+        poses: usize,
+        file: Box<dyn SequenceFile>,
+    ) -> Result<Box<dyn SequenceWriter>, WriteError> {
         check_ranges(self)?;
-        start(self.options(), mesh)
+        start(self.options(), mesh, poses, file)
     }
 }
 
@@ -203,8 +210,13 @@ impl Format for Gltf {
 }
 
 impl SequenceFormat for Gltf {
-    fn start(&self, mesh: &Mesh) -> Result<Box<dyn SequenceWriter>, WriteError> {
+    fn start(
+        &self,
+        mesh: &Mesh,
+        poses: usize,
+        file: Box<dyn SequenceFile>,
+    ) -> Result<Box<dyn SequenceWriter>, WriteError> {
         check_ranges(self)?;
-        start(self.options(), mesh)
+        start(self.options(), mesh, poses, file)
     }
 }

@@ -1,20 +1,20 @@
 //! MDD, the point cache of LightWave.
 
-use std::io::Write;
-
 use mimesh_core::{
     Error, Result,
     mesh::{ClipTime, Mesh, MeshSequence},
     plugin::check_ranges,
     register,
-    stage::{FileInput, Format, MeshWriter, Selection, SequenceFormat, SequenceWriter, WriteError},
+    stage::{
+        FileInput, Format, MeshWriter, ReadAt, Selection, SequenceFile, SequenceFormat, SequenceWriter, WriteError,
+    },
 };
 use nalgebra::Point3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    samples::{DAMAGED, Samples, sequence},
+    samples::{DAMAGED, Samples, first_bytes, sequence},
     spool::Spool,
 };
 
@@ -46,8 +46,11 @@ impl Format for Mdd {
 
     fn read(&self, input: &dyn FileInput, selection: &Selection) -> Result<MeshSequence> {
         check_ranges(self)?;
-        let bytes = input.contents()?.into_owned();
-        let samples = self.samples(bytes).map_err(|message| Error::file(input.path(), message, DAMAGED))?;
+        let file = input.open()?;
+        let header = first_bytes(&*file, HEADER)?;
+        let stored = frames_of(&header).map_or(0, |frames| 4 * frames);
+        let times = first_bytes(&*file, HEADER.saturating_add(stored))?;
+        let samples = self.samples(&times, file).map_err(|message| Error::file(input.path(), message, DAMAGED))?;
         sequence(input.path(), samples, selection)
     }
 
@@ -65,9 +68,15 @@ impl Format for Mdd {
 }
 
 impl SequenceFormat for Mdd {
-    fn start(&self, mesh: &Mesh) -> Result<Box<dyn SequenceWriter>, WriteError> {
+    fn start(
+        &self,
+        mesh: &Mesh,
+        poses: usize,
+        file: Box<dyn SequenceFile>,
+    ) -> Result<Box<dyn SequenceWriter>, WriteError> {
         check_ranges(self)?;
-        let spool = Spool::new(mesh.positions.len(), 1.0 / self.frames_per_second, f32::to_be_bytes)?;
+        let spool =
+            Spool::new(file, HEADER + 4 * poses, mesh.positions.len(), 1.0 / self.frames_per_second, f32::to_be_bytes)?;
         Ok(Box::new(Writer { spool }))
     }
 }
@@ -77,7 +86,7 @@ const HEADER: usize = 8;
 
 impl Mdd {
     /// The header: frames, points, and the seconds of each frame; numbers are big-endian.
-    fn samples(&self, bytes: Vec<u8>) -> Result<Samples, String> {
+    fn samples(&self, bytes: &[u8], file: Box<dyn ReadAt>) -> Result<Samples, String> {
         let word = |at: usize| Some(<[u8; 4]>::try_from(bytes.get(at..at + 4)?).expect("the slice has four bytes"));
         let (Some(frames), Some(points)) = (word(0).map(i32::from_be_bytes), word(4).map(i32::from_be_bytes)) else {
             return Err(format!("the header takes {HEADER} bytes, the file has {}", bytes.len()));
@@ -95,8 +104,13 @@ impl Mdd {
         if !is_ascending {
             times = (0..frames).map(|frame| frame as f64 / self.frames_per_second).collect();
         }
-        Ok(Samples { bytes, start: HEADER + 4 * frames, points, times, decode: f32::from_be_bytes })
+        Ok(Samples { file, start: (HEADER + 4 * frames) as u64, points, times, decode: f32::from_be_bytes })
     }
+}
+
+/// The frames that a header tells, if it is one.
+fn frames_of(header: &[u8]) -> Option<usize> {
+    usize::try_from(i32::from_be_bytes(header.get(..4)?.try_into().ok()?)).ok()
 }
 
 /// A file in the making.
@@ -113,13 +127,10 @@ impl SequenceWriter for Writer {
         self.spool.warnings()
     }
 
-    fn finish(self: Box<Self>, out: &mut dyn Write) -> Result<(), WriteError> {
+    fn finish(self: Box<Self>) -> Result<(), WriteError> {
         let times = &self.spool.times;
-        out.write_all(&Spool::count(times.len())?.to_be_bytes())?;
-        out.write_all(&Spool::count(self.spool.points)?.to_be_bytes())?;
-        for time in times {
-            out.write_all(&(*time as f32).to_be_bytes())?;
-        }
-        self.spool.finish(out)
+        let mut header = [Spool::count(times.len())?, Spool::count(self.spool.points)?].map(i32::to_be_bytes).concat();
+        times.iter().for_each(|time| header.extend_from_slice(&(*time as f32).to_be_bytes()));
+        self.spool.finish(&header)
     }
 }

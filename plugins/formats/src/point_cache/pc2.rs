@@ -1,20 +1,20 @@
 //! PC2, the point cache of 3ds Max and of modifiers in Blender.
 
-use std::io::Write;
-
 use mimesh_core::{
     Error, Result,
     mesh::{ClipTime, Mesh, MeshSequence},
     plugin::check_ranges,
     register,
-    stage::{FileInput, Format, MeshWriter, Selection, SequenceFormat, SequenceWriter, WriteError},
+    stage::{
+        FileInput, Format, MeshWriter, ReadAt, Selection, SequenceFile, SequenceFormat, SequenceWriter, WriteError,
+    },
 };
 use nalgebra::Point3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    samples::{DAMAGED, Samples, sequence},
+    samples::{DAMAGED, Samples, first_bytes, sequence},
     spool::Spool,
 };
 
@@ -46,8 +46,9 @@ impl Format for Pc2 {
 
     fn read(&self, input: &dyn FileInput, selection: &Selection) -> Result<MeshSequence> {
         check_ranges(self)?;
-        let bytes = input.contents()?.into_owned();
-        let samples = self.samples(bytes).map_err(|message| Error::file(input.path(), message, DAMAGED))?;
+        let file = input.open()?;
+        let header = first_bytes(&*file, HEADER)?;
+        let samples = self.samples(&header, file).map_err(|message| Error::file(input.path(), message, DAMAGED))?;
         sequence(input.path(), samples, selection)
     }
 
@@ -65,9 +66,14 @@ impl Format for Pc2 {
 }
 
 impl SequenceFormat for Pc2 {
-    fn start(&self, mesh: &Mesh) -> Result<Box<dyn SequenceWriter>, WriteError> {
+    fn start(
+        &self,
+        mesh: &Mesh,
+        _poses: usize,
+        file: Box<dyn SequenceFile>,
+    ) -> Result<Box<dyn SequenceWriter>, WriteError> {
         check_ranges(self)?;
-        let spool = Spool::new(mesh.positions.len(), 1.0 / self.frames_per_second, f32::to_le_bytes)?;
+        let spool = Spool::new(file, HEADER, mesh.positions.len(), 1.0 / self.frames_per_second, f32::to_le_bytes)?;
         Ok(Box::new(Writer { spool, frames_per_second: self.frames_per_second }))
     }
 }
@@ -83,7 +89,7 @@ const UNEVEN: f64 = 1e-2;
 
 impl Pc2 {
     /// The header: magic, version, points a sample, first frame, frames a sample, samples; numbers are little-endian.
-    fn samples(&self, bytes: Vec<u8>) -> Result<Samples, String> {
+    fn samples(&self, bytes: &[u8], file: Box<dyn ReadAt>) -> Result<Samples, String> {
         if bytes.get(..MAGIC.len()) != Some(MAGIC) {
             return Err("not a PC2: it does not start with `POINTCACHE2`".into());
         }
@@ -105,11 +111,11 @@ impl Pc2 {
             ));
         }
         // Times that the file has no room for are not made.
-        if count > bytes.len() {
-            return Err(format!("{count} samples in {} bytes", bytes.len()));
+        if count as u64 > file.length() {
+            return Err(format!("{count} samples in {} bytes", file.length()));
         }
         let times = (0..count).map(|sample| (start + sample as f64 * rate) / self.frames_per_second).collect();
-        Ok(Samples { bytes, start: HEADER, points, times, decode: f32::from_le_bytes })
+        Ok(Samples { file, start: HEADER as u64, points, times, decode: f32::from_le_bytes })
     }
 }
 
@@ -145,15 +151,15 @@ impl SequenceWriter for Writer {
         warnings
     }
 
-    fn finish(self: Box<Self>, out: &mut dyn Write) -> Result<(), WriteError> {
+    fn finish(self: Box<Self>) -> Result<(), WriteError> {
         let (count, points) = (Spool::count(self.spool.times.len())?, Spool::count(self.spool.points)?);
         let [first, rate] = self.first_and_rate();
-        out.write_all(MAGIC)?;
-        out.write_all(&1_i32.to_le_bytes())?;
-        out.write_all(&points.to_le_bytes())?;
-        out.write_all(&(first as f32).to_le_bytes())?;
-        out.write_all(&(rate as f32).to_le_bytes())?;
-        out.write_all(&count.to_le_bytes())?;
-        self.spool.finish(out)
+        let mut header = MAGIC.to_vec();
+        header.extend_from_slice(&1_i32.to_le_bytes());
+        header.extend_from_slice(&points.to_le_bytes());
+        header.extend_from_slice(&(first as f32).to_le_bytes());
+        header.extend_from_slice(&(rate as f32).to_le_bytes());
+        header.extend_from_slice(&count.to_le_bytes());
+        self.spool.finish(&header)
     }
 }

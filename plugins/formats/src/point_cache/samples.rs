@@ -1,11 +1,11 @@
-//! The samples of a point cache as poses.
+//! The samples of a point cache as poses, each read when it is asked for.
 
 use std::{path::Path, sync::Arc};
 
 use mimesh_core::{
     Error, Result,
     mesh::{Animation, ClipTime, ComputePoses, Mesh, MeshSequence, Pose, Positions},
-    stage::{ClipChoice, ClipTimes, PoseChoice, RestShape, Selection},
+    stage::{ClipChoice, ClipTimes, PoseChoice, ReadAt, RestShape, Selection},
 };
 use nalgebra::Point3;
 
@@ -15,7 +15,7 @@ use crate::{
 };
 
 /// Bytes of a position: three f32.
-pub const POSITION: usize = 12;
+const POSITION: u64 = 12;
 
 /// The way out of a file that cannot be read.
 pub const DAMAGED: &str = "the file is damaged or cut short: export it again";
@@ -23,9 +23,9 @@ pub const DAMAGED: &str = "the file is damaged or cut short: export it again";
 /// The contents of a point cache.
 pub struct Samples {
     /// The file.
-    pub bytes: Vec<u8>,
+    pub file: Box<dyn ReadAt>,
     /// Where the first position starts.
-    pub start: usize,
+    pub start: u64,
     /// Positions a sample.
     pub points: usize,
     /// The seconds of each sample.
@@ -52,44 +52,55 @@ impl Samples {
         if samples == 0 || points == 0 {
             return Err(format!("empty point cache: {samples} samples of {points} points"));
         }
-        let wanted = samples.checked_mul(points).and_then(|count| count.checked_mul(POSITION));
+        let wanted = (samples as u64).checked_mul(points as u64).and_then(|count| count.checked_mul(POSITION));
         let wanted = wanted.and_then(|bytes| bytes.checked_add(self.start));
-        if wanted.is_none_or(|wanted| wanted > self.bytes.len()) {
+        let found = self.file.length();
+        if wanted.is_none_or(|wanted| wanted > found) {
             let wanted = wanted.map_or("more than there can be".to_owned(), |wanted| wanted.to_string());
-            let found = self.bytes.len();
             return Err(format!("{samples} samples of {points} points take {wanted} bytes, the file has {found}"));
         }
         Ok(())
     }
 
     /// The positions at a time: those of a sample, or evenly between two; the first and the last hold beyond the ends.
-    fn at(&self, seconds: f64) -> Vec<Point3<f64>> {
+    fn at(&self, seconds: f64) -> Result<Vec<Point3<f64>>> {
         let after = self.times.partition_point(|time| *time <= seconds);
         let before = after.saturating_sub(1);
         let last = self.times.len() - 1;
-        let mut positions = self.sample(before);
+        let mut positions = self.sample(before)?;
         let [from, to] = [before, after.min(last)].map(|sample| self.times[sample]);
         let share = if to > from { ((seconds - from) / (to - from)).clamp(0.0, 1.0) } else { 0.0 };
         if share > 0.0 {
-            let next = self.sample(after.min(last));
+            let next = self.sample(after.min(last))?;
             positions.iter_mut().zip(next).for_each(|(position, next)| *position += (next - *position) * share);
         }
-        positions
+        Ok(positions)
     }
 
-    fn sample(&self, sample: usize) -> Vec<Point3<f64>> {
-        let size = self.points * POSITION;
-        let bytes = &self.bytes[self.start + sample * size..][..size];
+    fn sample(&self, sample: usize) -> Result<Vec<Point3<f64>>> {
+        let mut bytes = vec![0; self.points * POSITION as usize];
+        self.file.read_at(self.start + sample as u64 * bytes.len() as u64, &mut bytes)?;
         let number = |bytes: &[u8]| f64::from((self.decode)([bytes[0], bytes[1], bytes[2], bytes[3]]));
         let position = |bytes: &[u8]| Point3::new(number(&bytes[..4]), number(&bytes[4..8]), number(&bytes[8..]));
-        bytes.chunks_exact(POSITION).map(position).collect()
+        Ok(bytes.chunks_exact(POSITION as usize).map(position).collect())
     }
 }
 
 impl ComputePoses for Poses {
-    fn positions(&self, index: usize) -> Vec<Point3<f64>> {
+    fn positions(&self, index: usize) -> Result<Vec<Point3<f64>>> {
         self.samples.at(self.seconds[index])
     }
+}
+
+/// The first `count` bytes of `file`, or all of a shorter one.
+///
+/// # Errors
+///
+/// Those of the file.
+pub fn first_bytes(file: &dyn ReadAt, count: usize) -> Result<Vec<u8>> {
+    let mut bytes = vec![0; usize::try_from(file.length()).unwrap_or(usize::MAX).min(count)];
+    file.read_at(0, &mut bytes)?;
+    Ok(bytes)
 }
 
 /// The poses that a selection asks for. The file is one clip, called as it is; its rest is the first sample.
@@ -123,7 +134,7 @@ pub fn sequence(path: &Path, samples: Samples, selection: &Selection) -> Result<
         PoseChoice::Shapes => every,
         PoseChoice::Clips(choice) => frames(choice, &clips, &mut warnings).map_err(unknown)?,
     };
-    let rest = Mesh { positions: samples.at(rest), ..Mesh::default() };
+    let rest = Mesh { positions: samples.at(rest)?, ..Mesh::default() };
     let seconds = chosen.iter().map(|frame| frame.seconds).collect();
     let poses = Arc::new(Poses { samples, seconds });
     let pose = |(index, frame): (usize, crate::clip_frames::Frame)| Pose {

@@ -1,16 +1,21 @@
-//! Poses on their way into a point cache: appended to a temporary file, since the header counts them.
+//! Poses on their way into a point cache, behind room for the header, which counts them.
 
-use std::{
-    fs::File,
-    io::{self, BufWriter, Seek, SeekFrom, Write},
+use std::io::Write;
+
+use mimesh_core::{
+    Error,
+    mesh::ClipTime,
+    stage::{SequenceFile, WriteError},
 };
-
-use mimesh_core::{Error, mesh::ClipTime, stage::WriteError};
 use nalgebra::Point3;
 
-/// Positions in a temporary file, with their times; memory grows by eight bytes a pose.
+use crate::tail::Tail;
+
+/// Positions in a file, with their times; memory grows by eight bytes a pose.
 pub struct Spool {
-    file: BufWriter<File>,
+    tail: Tail,
+    /// The bytes of a pose.
+    encoded: Vec<u8>,
     encode: fn(f32) -> [u8; 4],
     /// Positions a sample.
     pub points: usize,
@@ -22,35 +27,44 @@ pub struct Spool {
 }
 
 impl Spool {
-    /// Takes poses of `points` vertices; one without a time comes `step` seconds after the last.
+    /// Takes poses of `points` vertices into `file`, behind `header` bytes; one without a time comes `step` seconds after the last.
     ///
     /// # Errors
     ///
-    /// Those of the temporary file, and [`Error::Data`] for more vertices than the layouts count.
-    pub fn new(points: usize, step: f64, encode: fn(f32) -> [u8; 4]) -> Result<Self, WriteError> {
+    /// Those of the file, and [`Error::Data`] for more vertices than the layouts count.
+    pub fn new(
+        file: Box<dyn SequenceFile>,
+        header: usize,
+        points: usize,
+        step: f64,
+        encode: fn(f32) -> [u8; 4],
+    ) -> Result<Self, WriteError> {
         if i32::try_from(points).is_err() {
             let message = format!("{points} vertices: a point cache takes at most {}", i32::MAX);
             return Err(Error::data(message, "write glb, or a part of the mesh").into());
         }
-        let file = BufWriter::with_capacity(1 << 16, tempfile::tempfile()?);
-        Ok(Self { file, encode, points, times: Vec::new(), step, names: 0, restarts: 0 })
+        let mut tail = Tail::new(file);
+        tail.leave_room(header as u64)?;
+        Ok(Self { tail, encoded: Vec::new(), encode, points, times: Vec::new(), step, names: 0, restarts: 0 })
     }
 
     /// Appends a pose.
     ///
     /// # Errors
     ///
-    /// [`Error::Shape`] if the count differs from the mesh, [`Error::Data`] for positions beyond f32.
+    /// [`Error::Shape`] if the count differs from the mesh, [`Error::Data`] for positions beyond f32, and those of the file.
     pub fn add(&mut self, name: &str, time: Option<&ClipTime>, positions: &[Point3<f64>]) -> Result<(), WriteError> {
         Error::check_shape("posed target vertices (#V)", self.points, positions.len())?;
+        self.encoded.clear();
         for number in positions.iter().flat_map(|position| position.iter()) {
             let number = *number as f32;
             if !number.is_finite() {
                 let message = format!("pose `{name}` has positions that are not finite as 32-bit numbers");
                 return Err(Error::data(message, "give the mesh in a larger unit, nearer to the origin").into());
             }
-            self.file.write_all(&(self.encode)(number))?;
+            self.encoded.extend_from_slice(&(self.encode)(number));
         }
+        self.tail.write_all(&self.encoded)?;
         let next = self.times.last().map(|last| last + self.step);
         let seconds = match (time, next) {
             (Some(time), None) => time.seconds,
@@ -80,16 +94,13 @@ impl Spool {
         warnings
     }
 
-    /// Copies the positions to `out`.
+    /// Completes the file with its header.
     ///
     /// # Errors
     ///
-    /// Those of `out` and of the temporary file.
-    pub fn finish(self, out: &mut dyn Write) -> Result<(), WriteError> {
-        let mut file = self.file.into_inner().map_err(io::IntoInnerError::into_error)?;
-        file.seek(SeekFrom::Start(0))?;
-        io::copy(&mut file, out)?;
-        Ok(())
+    /// Those of the file.
+    pub fn finish(self, header: &[u8]) -> Result<(), WriteError> {
+        Ok(self.tail.finish(header)?)
     }
 
     /// A count for a header.

@@ -127,7 +127,7 @@ pub fn clips(names: &[&str], times: ClipTimes, range: Option<[f64; 2]>) -> Selec
 
 /// The positions of all poses.
 pub fn positions(sequence: &MeshSequence) -> Vec<Vec<Point3<f64>>> {
-    sequence.poses.iter().map(|pose| pose.positions.get().into_owned()).collect()
+    sequence.poses.iter().map(|pose| pose.positions.get().unwrap().into_owned()).collect()
 }
 
 /// The names of all poses.

@@ -11,6 +11,7 @@ use mimesh_core::{
     mesh::{Mesh, MeshSequence},
     stage::{BytesInput, Format, MeshWriter, Selection},
     testkit::data::input,
+    testkit::memory_file::MemoryFile,
 };
 use nalgebra::{Point3, Rotation3, Vector3};
 
@@ -25,9 +26,11 @@ pub fn write(format: &dyn Format, mesh: &Mesh, positions: &[Point3<f64>]) -> Vec
     match format.writer().unwrap() {
         MeshWriter::Pose(writer) => writer.write(mesh, positions, &mut out).unwrap(),
         MeshWriter::Sequence(format) => {
-            let mut writer = format.start(mesh).unwrap();
+            let file = MemoryFile::default();
+            let mut writer = format.start(mesh, 1, Box::new(file.clone())).unwrap();
             writer.add("pose", None, positions).unwrap();
-            writer.finish(&mut out).unwrap();
+            writer.finish().unwrap();
+            out = file.bytes();
         }
     }
     out

@@ -309,9 +309,9 @@ mod tests {
             assert_eq!(animal.poses.len(), 12);
             for pose in &animal.poses {
                 // Bending keeps volume to first order; joints that bend by 70° lose some inside.
-                let ratio = volume(&pose.positions.get()) / rest;
+                let ratio = volume(&pose.positions.get().unwrap()) / rest;
                 assert!((ratio - 1.0).abs() < 0.03, "{} {ratio}", pose.name);
-                assert!(smallest_angle(&surface, &pose.positions.get()) > 2.0, "{}", pose.name);
+                assert!(smallest_angle(&surface, &pose.positions.get().unwrap()) > 2.0, "{}", pose.name);
             }
         }
     }
@@ -347,7 +347,7 @@ mod tests {
             let point = |end: &str| {
                 let landmark = animal.landmarks.iter().find(|l| l.name == format!("{name}_{end}")).unwrap();
                 let at = |positions: &[Point3<f64>]| place(landmark, &surface, positions);
-                (at(&surface.positions), at(&animal.poses[pose].positions.get()))
+                (at(&surface.positions), at(&animal.poses[pose].positions.get().unwrap()))
             };
             let (front, back) = (point("front"), point("back"));
             let angle = |v: Vector3<f64>| v.y.atan2(v.z).to_degrees();
@@ -392,7 +392,7 @@ mod tests {
         let (one, large) = (metres.make().unwrap(), Quadruped { size: 100.0, ..metres.clone() }.make().unwrap());
         let scaled = |positions: &[Point3<f64>]| positions.iter().map(|p| p * 100.0).collect::<Vec<_>>();
         assert_eq!(large.rest.positions, scaled(&one.rest.positions));
-        assert_eq!(*large.poses[0].positions.get(), scaled(&one.poses[0].positions.get()));
+        assert_eq!(*large.poses[0].positions.get().unwrap(), scaled(&one.poses[0].positions.get().unwrap()));
         assert!(Quadruped { gait: Gait::None, ..metres }.make().unwrap().poses.is_empty());
     }
 

@@ -2,7 +2,7 @@
 
 use std::{collections::HashSet, ops::Range, sync::Arc};
 
-use mimesh_core::mesh::ComputePoses;
+use mimesh_core::{Result, mesh::ComputePoses};
 use nalgebra::{Matrix3x4, Matrix4, Point3, Vector3};
 
 use super::{
@@ -126,7 +126,7 @@ impl Evaluator {
     /// # Errors
     ///
     /// Names the node whose transform or weights are not, or are far too large.
-    pub fn check(&self, asset: &Asset, shape: &Shape) -> Result<(), String> {
+    pub fn check(&self, asset: &Asset, shape: &Shape) -> std::result::Result<(), String> {
         let (worlds, weights) = self.state(shape);
         self.nodes.check(asset, &worlds)?;
         match weights.iter().position(|weights| !weights.iter().all(|weight| weight.abs() < MAX_NUMBER)) {
@@ -204,8 +204,8 @@ impl Evaluator {
 }
 
 impl ComputePoses for Evaluator {
-    fn positions(&self, index: usize) -> Vec<Point3<f64>> {
-        self.shape(&self.poses[index])
+    fn positions(&self, index: usize) -> Result<Vec<Point3<f64>>> {
+        Ok(self.shape(&self.poses[index]))
     }
 }
 

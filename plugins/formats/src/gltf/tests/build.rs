@@ -3,25 +3,30 @@
 use mimesh_core::{
     mesh::{ClipTime, Mesh},
     stage::{MeshWriter, SequenceWriter},
+    testkit::memory_file::MemoryFile,
 };
 use nalgebra::Point3;
 use serde_json::{Value, json};
 
 use crate::{
     Glb,
-    gltf::write::{binary::Binary, output},
+    gltf::write::{binary::Binary, output::Output},
 };
 use mimesh_core::stage::Format;
 
 /// A GLB in the making.
 pub struct Builder {
+    file: MemoryFile,
+    output: Output,
     pub binary: Binary,
     pub json: Value,
 }
 
 impl Builder {
     pub fn new(json: Value) -> Self {
-        Self { binary: Binary::new().unwrap(), json }
+        let file = MemoryFile::default();
+        let (output, binary) = Output::new(Box::new(file.clone()), true).unwrap();
+        Self { file, output, binary, json }
     }
 
     /// The attributes of a square of `side` in the plane z = 0 with normals along z, and its indices.
@@ -36,31 +41,30 @@ impl Builder {
     pub fn glb(mut self) -> Vec<u8> {
         self.json["accessors"] = std::mem::take(&mut self.binary.accessors).into();
         self.json["bufferViews"] = std::mem::take(&mut self.binary.views).into();
-        self.json["buffers"] = json!([{ "byteLength": self.binary.length }]);
-        let mut out = Vec::new();
-        output::write(self.json, self.binary, true, &mut out).unwrap();
-        out
+        self.json["buffers"] = json!([{ "byteLength": self.binary.length() }]);
+        self.output.finish(self.json, self.binary).unwrap();
+        self.file.bytes()
     }
 }
 
 /// A pose to write: its name, its time and its positions.
 pub type Written<'a> = (&'a str, Option<ClipTime>, Vec<Point3<f64>>);
 
-/// A writer of `mesh` that has been given `poses`.
-pub fn writer(glb: &Glb, mesh: &Mesh, poses: &[Written]) -> Box<dyn SequenceWriter> {
+/// A writer of `mesh` that has been given `poses`, into `file`.
+fn writer(glb: &Glb, mesh: &Mesh, poses: &[Written], file: &MemoryFile) -> Box<dyn SequenceWriter> {
     let Some(MeshWriter::Sequence(format)) = glb.writer() else { unreachable!("a GLB is a sequence") };
-    let mut writer = format.start(mesh).unwrap();
+    let mut writer = format.start(mesh, poses.len(), Box::new(file.clone())).unwrap();
     poses.iter().for_each(|(name, time, positions)| writer.add(name, time.as_ref(), positions).unwrap());
     writer
 }
 
 /// The GLB of `mesh` with `poses`, and the warnings.
 pub fn write(glb: &Glb, mesh: &Mesh, poses: &[Written]) -> (Vec<u8>, Vec<String>) {
-    let writer = writer(glb, mesh, poses);
+    let file = MemoryFile::default();
+    let writer = writer(glb, mesh, poses, &file);
     let warnings = writer.warnings();
-    let mut out = Vec::new();
-    writer.finish(&mut out).unwrap();
-    (out, warnings)
+    writer.finish().unwrap();
+    (file.bytes(), warnings)
 }
 
 /// The positions of `mesh`, moved along its diagonal and twisted.

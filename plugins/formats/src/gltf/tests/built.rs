@@ -164,17 +164,20 @@ fn vertices_without_a_way_back_stay_and_are_counted() {
 
 #[test]
 fn text_output_holds_the_same() {
-    use mimesh_core::stage::{Format, MeshWriter};
+    use mimesh_core::{
+        stage::{Format, MeshWriter},
+        testkit::memory_file::MemoryFile,
+    };
 
     let before = two_nodes();
     let mesh = load(&before);
     let gltf = crate::Gltf::default();
     let Some(MeshWriter::Sequence(format)) = gltf.writer() else { unreachable!("a glTF is a sequence") };
-    let mut writer = format.start(&mesh).unwrap();
+    let file = MemoryFile::default();
+    let mut writer = format.start(&mesh, 1, Box::new(file.clone())).unwrap();
     writer.add("up", None, &raised(&mesh.positions)).unwrap();
-    let mut out = Vec::new();
-    writer.finish(&mut out).unwrap();
-    let mut text: Value = serde_json::from_slice(&out).unwrap();
+    writer.finish().unwrap();
+    let mut text: Value = serde_json::from_slice(&file.bytes()).unwrap();
     let (json, bytes) = parts(&write(&Glb::default(), &mesh, &[("up", None, raised(&mesh.positions))]).0);
     let buffer = text["buffers"][0].as_object_mut().unwrap();
     let uri = buffer.shift_remove("uri").unwrap();

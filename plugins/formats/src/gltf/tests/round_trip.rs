@@ -47,7 +47,7 @@ fn poses_of_skinned_files_come_back_as_they_were_given() {
         assert_eq!(names(&others), names(&old.poses));
         assert!(old.poses.iter().zip(&others).all(|(old, new)| old.positions == new.positions));
         // Rounding to f32 in the stored space, times the condition of the joints' transforms, which is small here.
-        let error = distance(&mesh, &last.positions.get(), &posed);
+        let error = distance(&mesh, &last.positions.get().unwrap(), &posed);
         assert!(error < 1e-6, "{}: {error:e}", path.display());
         if old.animations.is_empty() {
             continue;
@@ -71,8 +71,11 @@ fn a_clip_of_a_file_comes_back_at_its_own_times() {
         Selection { poses: PoseChoice::Clips(choice), keep_document: true, ..Selection::default() }
     };
     let run = read(&before, &clips("Run"));
-    let poses: Vec<_> =
-        run.poses.iter().map(|pose| (&pose.name[..], pose.time.clone(), pose.positions.get().into_owned())).collect();
+    let poses: Vec<_> = run
+        .poses
+        .iter()
+        .map(|pose| (&pose.name[..], pose.time.clone(), pose.positions.get().unwrap().into_owned()))
+        .collect();
     let (after, warnings) = write(&Glb::default(), &run.rest, &poses);
     assert_eq!(warnings, [""; 0]);
     let back = read(&after, &clips("Run-poses"));
@@ -82,7 +85,7 @@ fn a_clip_of_a_file_comes_back_at_its_own_times() {
         let (found, wanted) = (back.time.as_ref().unwrap().seconds, pose.time.as_ref().unwrap().seconds);
         assert!((found - wanted).abs() < 1e-9);
         // Times are f32 in the file, so that a little of the next frame may be blended in.
-        assert!(distance(&run.rest, &back.positions.get(), &pose.positions.get()) < 1e-5);
+        assert!(distance(&run.rest, &back.positions.get().unwrap(), &pose.positions.get().unwrap()) < 1e-5);
     }
 }
 
@@ -113,6 +116,6 @@ fn a_file_with_buffers_and_images_beside_it_becomes_one_that_stands_alone() {
     assert_eq!((written["images"][0].get("uri"), &written["images"][0]["mimeType"]), (None, &json!("image/png")));
     // An image that was not found stays what it was.
     assert_eq!(written["images"][1], json!({ "uri": "lost.png" }));
-    assert_eq!(read(&after, &Selection::default()).poses[0].positions.get(), posed);
+    assert_eq!(read(&after, &Selection::default()).poses[0].positions.get().unwrap(), posed);
     assert_eq!(shapes(&after)[0].with(0), posed);
 }

@@ -1,11 +1,10 @@
-//! The numbers of a glTF in the making, kept in a temporary file so that memory does not grow with the poses.
+//! The numbers of a glTF in the making, written as they come so that memory does not grow with the poses.
 
-use std::{
-    fs::File,
-    io::{self, BufWriter, Read, Seek, SeekFrom, Write},
-};
+use std::io::{self, Write};
 
 use serde_json::{Value, json};
+
+use crate::tail::Tail;
 
 const U8: u32 = 5121;
 const U16: u32 = 5123;
@@ -23,11 +22,9 @@ enum Use {
 }
 
 /// A buffer and the views and accessors into it.
-#[derive(Debug)]
 pub struct Binary {
-    spool: BufWriter<File>,
-    /// Bytes written.
-    pub length: u64,
+    /// The bytes.
+    pub tail: Tail,
     /// The JSON of buffer views.
     pub views: Vec<Value>,
     /// The JSON of accessors.
@@ -35,27 +32,26 @@ pub struct Binary {
 }
 
 impl Binary {
-    /// An empty buffer in an unnamed temporary file.
-    ///
-    /// # Errors
-    ///
-    /// If there is no room for one.
-    pub fn new() -> io::Result<Self> {
-        let spool = BufWriter::with_capacity(1 << 16, tempfile::tempfile()?);
-        Ok(Self { spool, length: 0, views: Vec::new(), accessors: Vec::new() })
+    /// An empty buffer, whose bytes go to `tail`.
+    pub fn new(tail: Tail) -> Self {
+        Self { tail, views: Vec::new(), accessors: Vec::new() }
+    }
+
+    /// Bytes written.
+    pub fn length(&self) -> u64 {
+        self.tail.length()
     }
 
     /// Adds bytes as they are, padded to a multiple of four. The offset of the first.
     ///
     /// # Errors
     ///
-    /// Those of the temporary file, as with all of these.
+    /// Those of the file, as with all of these.
     pub fn append(&mut self, bytes: &[u8]) -> io::Result<u64> {
-        let offset = self.length;
+        let offset = self.length();
         let padded = bytes.len().next_multiple_of(4);
-        self.spool.write_all(bytes)?;
-        self.spool.write_all(&[0; 3][..padded - bytes.len()])?;
-        self.length += padded as u64;
+        self.tail.write_all(bytes)?;
+        self.tail.write_all(&[0; 3][..padded - bytes.len()])?;
         Ok(offset)
     }
 
@@ -156,17 +152,6 @@ impl Binary {
     pub fn zeros(&mut self, count: usize) -> usize {
         let zero = [0.0; 3];
         self.accessor(json!({ "componentType": F32, "count": count, "type": "VEC3", "min": zero, "max": zero }))
-    }
-
-    /// Everything written so far, from its start.
-    ///
-    /// # Errors
-    ///
-    /// Those of the temporary file.
-    pub fn contents(&mut self) -> io::Result<impl Read> {
-        self.spool.flush()?;
-        self.spool.get_mut().seek(SeekFrom::Start(0))?;
-        Ok(self.spool.get_ref())
     }
 
     fn accessor(&mut self, accessor: Value) -> usize {

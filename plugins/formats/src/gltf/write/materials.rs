@@ -34,7 +34,7 @@ impl<'a> Materials<'a> {
     ///
     /// # Errors
     ///
-    /// Those of the temporary file.
+    /// Those of the file.
     pub fn add_images(&self, binary: &mut Binary, root: &mut Value) -> io::Result<()> {
         let (mut images, mut textures) = (Vec::new(), Vec::new());
         for image in &self.images.0 {

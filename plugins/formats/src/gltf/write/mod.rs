@@ -8,26 +8,35 @@ pub(super) mod output;
 mod patch;
 mod plan;
 mod pose_clips;
+mod room;
 pub mod size;
 mod writer;
 
 use mimesh_core::{
     mesh::Mesh,
-    stage::{SequenceWriter, WriteError},
+    stage::{SequenceFile, SequenceWriter, WriteError},
 };
 
 pub use options::{Options, PoseAnimation};
+use output::Output;
 use patch::PatchWriter;
 use writer::Writer;
 
-/// A file of `mesh`: a copy of the glTF from which it was read, or a new one.
+/// Starts `file` with `mesh`: as a copy of the glTF from which it was read, or a new one. At most `poses` poses follow.
 ///
 /// # Errors
 ///
-/// If the mesh is damaged, or there is no room for temporary data.
-pub fn start(options: Options, mesh: &Mesh) -> Result<Box<dyn SequenceWriter>, WriteError> {
-    Ok(match PatchWriter::new(options, mesh)? {
-        Some(writer) => Box::new(writer),
-        None => Box::new(Writer::new(options, mesh)?),
+/// If the mesh is damaged, or the file cannot be written.
+pub fn start(
+    options: Options,
+    mesh: &Mesh,
+    poses: usize,
+    file: Box<dyn SequenceFile>,
+) -> Result<Box<dyn SequenceWriter>, WriteError> {
+    mesh.validate()?;
+    let (output, binary) = Output::new(file, options.binary)?;
+    Ok(match patch::document(mesh) {
+        Some(document) => Box::new(PatchWriter::new(options, mesh, document, poses, output, binary)?),
+        None => Box::new(Writer::new(options, mesh, poses, output, binary)?),
     })
 }

@@ -1,4 +1,4 @@
-use std::io::{self, Write};
+use std::io;
 
 use mimesh_core::{
     Error,
@@ -13,9 +13,10 @@ use super::{
     materials::{self, Materials},
     offset::offset,
     options::Options,
-    output,
+    output::Output,
     plan::{Object, Plan, Vertex},
     pose_clips::{PoseClip, PoseList},
+    room,
 };
 use crate::lost;
 
@@ -24,9 +25,12 @@ pub struct Writer {
     options: Options,
     mesh: Mesh,
     plan: Plan,
+    output: Output,
     binary: Binary,
     rest: Vec<RestObject>,
     poses: PoseList,
+    /// The most poses that will be added.
+    most: usize,
     /// The place in the mesh's space that is the origin of the stored positions.
     offset: Vector3<f64>,
     warnings: Vec<String>,
@@ -45,19 +49,23 @@ struct RestObject {
 }
 
 impl Writer {
-    /// Starts with the rest mesh.
+    /// Starts with the rest mesh; at most `most` poses follow.
     ///
     /// # Errors
     ///
-    /// If the mesh is empty or too large for f32, or there is no room for temporary data.
-    pub fn new(options: Options, mesh: &Mesh) -> Result<Self, WriteError> {
-        mesh.validate()?;
+    /// If the mesh is empty or too large for f32, or the file cannot be written.
+    pub fn new(
+        options: Options,
+        mesh: &Mesh,
+        most: usize,
+        output: Output,
+        mut binary: Binary,
+    ) -> Result<Self, WriteError> {
         check_size(&mesh.positions)?;
         let plan = Plan::new(mesh);
         if plan.objects.is_empty() {
             return Err(Error::data("empty mesh: no polygon has three corners", "write a mesh with triangles").into());
         }
-        let mut binary = Binary::new()?;
         let offset = offset(mesh);
         let rest = plan.objects.iter().map(|object| RestObject::new(object, mesh, offset, &plan, &mut binary));
         let rest = rest.collect::<io::Result<_>>()?;
@@ -69,7 +77,7 @@ impl Writer {
         warnings.extend(lost::sentence("glTF", mesh, &kept));
         // The document of a reader may be as large as its file and says nothing here.
         let mesh = Mesh { document: Default::default(), ..mesh.clone() };
-        Ok(Self { options, mesh, plan, binary, rest, poses: PoseList::default(), offset, warnings })
+        Ok(Self { options, mesh, plan, output, binary, rest, poses: PoseList::default(), most, offset, warnings })
     }
 
     fn json(&mut self) -> io::Result<Value> {
@@ -85,7 +93,7 @@ impl Writer {
         let nodes: Vec<_> = (0..self.rest.len()).map(node).collect();
         let meshes: Vec<_> = (0..self.rest.len()).map(|i| self.mesh_json(i, &materials)).collect();
         let mut root = json!({
-            "buffers": [{ "byteLength": self.binary.length }],
+            "buffers": [{ "byteLength": self.binary.length() }],
             "asset": { "version": "2.0", "generator": concat!("mimesh ", env!("CARGO_PKG_VERSION")) },
             "scene": 0,
             "scenes": [{ "nodes": (0..nodes.len()).collect::<Vec<_>>() }],
@@ -175,7 +183,17 @@ impl SequenceWriter for Writer {
         }
         self.poses.names.push(unique);
         self.poses.times.push(time.cloned());
-        Ok(())
+        if !self.binary.tail.is_full() {
+            return Ok(());
+        }
+        let known = room::Known {
+            names: &self.poses.names,
+            poses: self.most,
+            primitives: self.plan.objects.iter().map(|object| object.primitives.len()).sum(),
+            meshes: self.plan.objects.len(),
+            other: 512 * self.plan.objects.len(),
+        };
+        Ok(room::leave(&mut self.binary, &known)?)
     }
 
     fn warnings(&self) -> Vec<String> {
@@ -186,9 +204,9 @@ impl SequenceWriter for Writer {
         self.poses.are = Some(poses);
     }
 
-    fn finish(mut self: Box<Self>, out: &mut dyn Write) -> Result<(), WriteError> {
+    fn finish(mut self: Box<Self>) -> Result<(), WriteError> {
         let json = self.json()?;
-        output::write(json, self.binary, self.options.binary, out)
+        self.output.finish(json, self.binary)
     }
 }
 

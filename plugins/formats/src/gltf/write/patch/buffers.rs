@@ -14,23 +14,27 @@ use crate::gltf::{document::GltfDocument, write::binary::Binary};
 /// The extensions by which buffer views are compressed, for which `decompressed` of a document stands in.
 const COMPRESSIONS: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
 
-/// Puts all bytes of `document` into one buffer, and makes `json`, which is its JSON, refer to that.
+/// Puts all bytes of `document` into `binary`, which is empty, as one buffer, and makes `json`, which is its JSON, refer to that.
 ///
 /// Views and accessors move from `json` into the result. The first buffer is unchanged and others follow it, so that the
 /// views of the first stay as they are. Sentences about what changes for the user are added to `warnings`.
 ///
 /// # Errors
 ///
-/// Those of the temporary file.
-pub fn gather(document: &GltfDocument, json: &mut Value, warnings: &mut Vec<String>) -> io::Result<Binary> {
-    let mut binary = Binary::new()?;
+/// Those of the file.
+pub fn gather(
+    document: &GltfDocument,
+    json: &mut Value,
+    binary: &mut Binary,
+    warnings: &mut Vec<String>,
+) -> io::Result<()> {
     let mut starts = Vec::new();
     for bytes in &document.buffers {
         starts.push(binary.append(bytes)?);
     }
     binary.views = take(json, "bufferViews");
     binary.accessors = take(json, "accessors");
-    decompress(document, json, &mut binary, warnings)?;
+    decompress(document, json, binary, warnings)?;
     let unread = unread_buffers(document, &binary.views);
     for view in &mut binary.views {
         retarget(view, &starts, &unread);
@@ -40,7 +44,7 @@ pub fn gather(document: &GltfDocument, json: &mut Value, warnings: &mut Vec<Stri
             }
         }
     }
-    embed_images(document, json, &mut binary, warnings)?;
+    embed_images(document, json, binary, warnings)?;
     let buffers = list(json, "buffers");
     // Readers forgive a first buffer that is no object, since the bytes are in the file.
     let mut first = buffers.first().filter(|first| first.is_object()).cloned().unwrap_or_else(|| json!({}));
@@ -51,7 +55,7 @@ pub fn gather(document: &GltfDocument, json: &mut Value, warnings: &mut Vec<Stri
     let others = unread.iter().map(|&buffer| buffers[buffer].clone());
     let all: Vec<Value> = std::iter::once(first).chain(others).collect();
     json["buffers"] = all.into();
-    Ok(binary)
+    Ok(())
 }
 
 /// Puts views, accessors and the length of `binary` into `json`; parts that would be empty are left out.
@@ -61,8 +65,8 @@ pub fn settle(json: &mut Value, binary: &mut Binary) {
             json[key] = std::mem::take(values).into();
         }
     }
-    if binary.length > 0 {
-        json["buffers"][0]["byteLength"] = binary.length.into();
+    if binary.length() > 0 {
+        json["buffers"][0]["byteLength"] = binary.length().into();
     } else if let Some(root) = json.as_object_mut() {
         root.shift_remove("buffers");
     }

@@ -20,7 +20,7 @@ use crate::gltf::{
 ///
 /// # Errors
 ///
-/// Those of the temporary file.
+/// Those of the file.
 pub fn lengthen(
     document: &GltfDocument,
     json: &mut Value,
@@ -117,7 +117,7 @@ fn longer_output(
 ///
 /// # Errors
 ///
-/// Those of the temporary file.
+/// Those of the file.
 pub fn add(
     json: &mut Value,
     binary: &mut Binary,

@@ -20,7 +20,7 @@ pub const NAME: &str = "KHR_draco_mesh_compression";
 ///
 /// # Errors
 ///
-/// Those of the temporary file.
+/// Those of the file.
 pub fn unpack(document: &GltfDocument, json: &mut Value, binary: &mut Binary) -> io::Result<()> {
     for (index, bytes) in &document.unpacked {
         let Some(accessor) = binary.accessors.get(*index) else { continue };
@@ -82,9 +82,11 @@ fn aligned(bytes: &[u8], size: usize) -> (Vec<u8>, Option<usize>) {
 
 #[cfg(test)]
 mod tests {
+    use mimesh_core::testkit::memory_file::MemoryFile;
     use serde_json::json;
 
     use super::*;
+    use crate::tail::Tail;
 
     #[test]
     fn attributes_lie_at_multiples_of_four_bytes() {
@@ -97,7 +99,7 @@ mod tests {
         let packed = json!({ "attributes": { "POSITION": 0 }, "indices": 1, "extensions": { NAME: {} } });
         let other = json!({ "attributes": { "POSITION": 2 }, "extensions": { NAME: {}, "X": {} } });
         let mut json = json!({ "meshes": [{ "primitives": [packed, other] }] });
-        let mut binary = Binary::new().unwrap();
+        let mut binary = Binary::new(Tail::new(Box::new(MemoryFile::default())));
         binary.accessors = vec![
             json!({ "componentType": 5121, "count": 2, "type": "VEC3", "min": [0, 0, 0], "max": [9, 9, 9] }),
             json!({ "componentType": 5121, "count": 3, "type": "SCALAR" }),

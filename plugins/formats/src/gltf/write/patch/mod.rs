@@ -15,7 +15,7 @@ mod names;
 mod place;
 mod stored;
 
-use std::{collections::HashMap, io::Write};
+use std::collections::HashMap;
 
 use mimesh_core::{
     Error,
@@ -25,22 +25,28 @@ use mimesh_core::{
 use nalgebra::Point3;
 use serde_json::Value;
 
-use super::{binary::Binary, options::Options, output, pose_clips::PoseList};
+use super::{binary::Binary, options::Options, output::Output, pose_clips::PoseList, room};
 use crate::gltf::document::GltfDocument;
 use layout::{Shown, describes, mesh_name, shown};
 use meshes::NewTargets;
 use morphs::Morphs;
 use names::NewNames;
+use stored::list;
 
 /// A copy of a mesh's glTF in the making, to which poses are added as morph targets.
 pub struct PatchWriter {
     options: Options,
     mesh: Mesh,
     json: Value,
+    output: Output,
     binary: Binary,
     morphs: Morphs,
     names: NewNames,
     poses: PoseList,
+    /// The most poses that will be added.
+    most: usize,
+    /// Bytes of `json`.
+    json_length: usize,
     warnings: Vec<String>,
 }
 
@@ -50,28 +56,36 @@ pub fn document(mesh: &Mesh) -> Option<&GltfDocument> {
 }
 
 impl PatchWriter {
-    /// Starts with the glTF from which `mesh` was read; `None` if there is none, or the vertices are not its own any more.
+    /// Starts with `document`, from which `mesh` was read; at most `most` poses follow.
     ///
     /// # Errors
     ///
-    /// If the mesh is damaged, or there is no room for temporary data.
-    pub fn new(options: Options, mesh: &Mesh) -> Result<Option<Self>, WriteError> {
-        mesh.validate()?;
-        let Some(document) = document(mesh) else { return Ok(None) };
+    /// If the file cannot be written.
+    pub fn new(
+        options: Options,
+        mesh: &Mesh,
+        document: &GltfDocument,
+        most: usize,
+        output: Output,
+        mut binary: Binary,
+    ) -> Result<Self, WriteError> {
         let mut json = document.json.clone();
         let mut warnings = Vec::new();
-        let binary = buffers::gather(document, &mut json, &mut warnings)?;
+        buffers::gather(document, &mut json, &mut binary, &mut warnings)?;
         let taken = shown(document).into_iter().flat_map(|shown| names::existing(&document.json, shown.mesh));
-        Ok(Some(Self {
+        Ok(Self {
             options,
+            json_length: room::json_length(&json)?,
             json,
+            output,
             binary,
+            most,
             morphs: Morphs::new(document, mesh, options.pose_normals),
             names: NewNames::new(taken),
             poses: PoseList::default(),
             warnings,
             mesh: mesh.clone(),
-        }))
+        })
     }
 
     fn new_targets<'a>(&'a self, document: &'a GltfDocument) -> NewTargets<'a> {
@@ -88,7 +102,21 @@ impl SequenceWriter for PatchWriter {
         let name = self.names.add(name);
         self.poses.names.push(name);
         self.poses.times.push(time.cloned());
-        Ok(())
+        if !self.binary.tail.is_full() {
+            return Ok(());
+        }
+        let moved = shown(document);
+        let primitives = |shown: &Shown| {
+            list(&document.json, "meshes").get(shown.mesh).map_or(0, |mesh| list(mesh, "primitives").len())
+        };
+        let known = room::Known {
+            names: &self.poses.names,
+            poses: self.most,
+            primitives: moved.iter().map(primitives).sum(),
+            meshes: moved.len(),
+            other: self.json_length,
+        };
+        Ok(room::leave(&mut self.binary, &known)?)
     }
 
     fn warnings(&self) -> Vec<String> {
@@ -117,7 +145,7 @@ impl SequenceWriter for PatchWriter {
         &self.names.renamed
     }
 
-    fn finish(mut self: Box<Self>, out: &mut dyn Write) -> Result<(), WriteError> {
+    fn finish(mut self: Box<Self>) -> Result<(), WriteError> {
         let Some(document) = document(&self.mesh) else { unreachable!("the writer was made for a document") };
         if !self.poses.names.is_empty() {
             let nodes: Vec<Shown> = shown(document);
@@ -130,6 +158,6 @@ impl SequenceWriter for PatchWriter {
             clips::add(&mut self.json, &mut self.binary, clips, &nodes, &totals, added, &document.resting)?;
         }
         buffers::settle(&mut self.json, &mut self.binary);
-        output::write(self.json, self.binary, self.options.binary, out)
+        self.output.finish(self.json, self.binary)
     }
 }

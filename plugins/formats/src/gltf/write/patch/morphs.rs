@@ -67,7 +67,7 @@ impl Morphs {
     ///
     /// # Errors
     ///
-    /// Those of the temporary file.
+    /// Those of the file.
     pub fn add(
         &mut self,
         document: &GltfDocument,
