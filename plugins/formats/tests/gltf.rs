@@ -187,12 +187,10 @@ fn a_glb_that_is_too_large_to_be_held_is_written_as_it_comes() {
         assert_eq!(u32::from_le_bytes(bytes[8..12].try_into().unwrap()) as usize, bytes.len());
         let sequence = read(&Glb::default(), "large.glb", bytes).unwrap();
         assert_eq!(sequence.poses.len(), 40);
-        assert!(
-            distance(
-                &corners(&sequence.rest, &sequence.poses[39].positions.get().unwrap()),
-                &corners(&mesh, &moved(39))
-            ) < 1e-5
-        );
+        let posed = sequence.poses[39].positions.get().unwrap();
+        let rises = posed.iter().zip(&sequence.rest.positions).map(|(p, q)| p.z - q.z);
+        // f32 holds numbers of this size to 4e-6.
+        assert!(rises.map(|rise| (rise - 40.0).abs()).fold(0.0, f64::max) < 1e-5);
         // What follows the JSON is the same, however much room was left.
         let numbers = |bytes: &[u8], json: usize| bytes[20 + json..].to_vec();
         let of_expected = u32::from_le_bytes(expected[12..16].try_into().unwrap()) as usize;
