@@ -8,7 +8,7 @@ use mimesh::core::{
     mesh::{Surface, SurfacePoint},
     plugin::instance,
     spatial::Similarity,
-    stage::{BindInput, Marker, Transfer, TransferPair},
+    stage::{BindInput, Marker, Transfer, TransferPair, Work},
     testkit::{data::data, meshes, random::Random},
 };
 use nalgebra::{Point3, Rotation3, Vector3};
@@ -304,7 +304,9 @@ fn moved(settings: serde_json::Value, source: &Surface, target: &Surface, pose: 
     let stage: Box<dyn Transfer> = serde_json::from_value(settings).expect("settings");
     let markers = markers(&[0, 20, 45, 70, 90]);
     let pair = TransferPair { source, target, markers: &markers, proximity: None };
-    let bound = stage.bind(BindInput { pair, map: None, poses: &[pose.to_vec()] }).expect("markers suffice");
+    let bound = stage
+        .bind(BindInput { pair, map: None, poses: &[pose.to_vec()], work: Work::UNWATCHED })
+        .expect("markers suffice");
     bound.transfer(pose).expect("a finite pose").positions
 }
 

@@ -8,7 +8,6 @@ use std::{
     time::Instant,
 };
 
-use indicatif::{ProgressBar, ProgressStyle};
 use mimesh_core::{
     mesh::MeshPoint,
     stage::{ChoiceStep, ChoiceWatch},
@@ -21,7 +20,7 @@ use {
     mimesh_pipeline::{Options, PreparedSource, key_points, staging},
 };
 
-use crate::cli::{CommandResult, cache::CacheOptions, out_file::OutFile, status::Status, terminal};
+use crate::cli::{CommandResult, cache::CacheOptions, out_file::OutFile, progress::ShareBar, status::Status, terminal};
 
 /// Chooses the few points of the source that describe its poses best, and writes them as markers to complete.
 ///
@@ -85,7 +84,7 @@ impl KeyPoints {
         let progress = ChoiceProgress::new(self.quiet, &INTERRUPTED);
         let started = Instant::now();
         let chosen = key_points::choose(&prepared, &previous, &progress);
-        progress.bar.finish_and_clear();
+        progress.finish();
         let chosen = chosen?;
         let interrupted = INTERRUPTED.load(Ordering::Relaxed);
 
@@ -182,18 +181,23 @@ fn point_json(point: MeshPoint) -> serde_json::Value {
 
 /// Shows the steps of the choice: a bar on a terminal, lines elsewhere.
 struct ChoiceProgress<'a> {
-    bar: ProgressBar,
+    bar: Option<ShareBar>,
     lines: bool,
     interrupted: &'a AtomicBool,
 }
 
 impl<'a> ChoiceProgress<'a> {
     fn new(quiet: bool, interrupted: &'a AtomicBool) -> Self {
-        let bar = if quiet || !terminal::is_interactive() { ProgressBar::hidden() } else { ProgressBar::new(1) };
-        let template = "{msg}  {bar:24} {pos}/{len}  {elapsed}";
-        let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
-        bar.set_style(style.progress_chars("=> "));
-        Self { bar, lines: !quiet && !terminal::is_interactive(), interrupted }
+        let is_interactive = terminal::is_interactive();
+        let bar = (!quiet && is_interactive).then(ShareBar::new);
+        if let Some(bar) = &bar {
+            bar.begin("key points");
+        }
+        Self { bar, lines: !quiet && !is_interactive, interrupted }
+    }
+
+    fn finish(&self) {
+        self.bar.iter().for_each(ShareBar::finish);
     }
 }
 
@@ -204,12 +208,11 @@ impl ChoiceWatch for ChoiceProgress<'_> {
         if self.lines {
             let _ = writeln!(std::io::stderr(), "{text}");
         }
-        self.bar.set_message(text);
+        self.bar.iter().for_each(|bar| bar.set_message(text.clone()));
     }
 
-    fn progress(&self, done: usize, all: usize) {
-        self.bar.set_length(all as u64);
-        self.bar.set_position(done as u64);
+    fn done(&self, share: f64) {
+        self.bar.iter().for_each(|bar| bar.done(share));
     }
 
     fn is_interrupted(&self) -> bool {

@@ -16,6 +16,7 @@ mod new;
 mod out_file;
 mod plan;
 mod posed_meshes;
+mod profile;
 mod progress;
 mod registry;
 mod render;

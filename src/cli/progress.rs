@@ -1,23 +1,27 @@
 //! The progress of a run on stderr: a bar on a terminal, plain lines elsewhere.
 
 use std::{
+    fmt,
     io::Write,
-    sync::Mutex,
+    sync::{Arc, Mutex, MutexGuard, PoisonError},
     time::{Duration, Instant},
 };
 
-use indicatif::{ProgressBar, ProgressStyle};
-use mimesh_pipeline::Progress;
+use indicatif::{ProgressBar, ProgressState, ProgressStyle};
+use mimesh_pipeline::{Progress, progress::TimeLeft, text};
 
 use crate::cli::terminal::is_interactive;
 
-/// The shortest time between two plain lines on poses.
+/// The shortest time between two plain lines on what is under way.
 const PLAIN_INTERVAL: Duration = Duration::from_secs(10);
+
+/// The length of a bar of shares.
+const WHOLE: u64 = 1000;
 
 /// Shows the progress of a run.
 pub enum TerminalProgress {
     /// Draws a bar, on a terminal.
-    Bar(ProgressBar),
+    Bar(ShareBar),
     /// Prints lines, where there is no terminal.
     Plain(Mutex<Plain>),
     /// Shows nothing, with `--quiet`.
@@ -26,7 +30,9 @@ pub enum TerminalProgress {
 
 /// The state of plain lines.
 pub struct Plain {
-    /// The number of poses.
+    /// The stage under way.
+    stage: String,
+    /// The number of poses; 0 before they begin.
     count: usize,
     /// The number of poses that are done.
     done: usize,
@@ -40,16 +46,16 @@ impl TerminalProgress {
         if quiet {
             Self::Silent
         } else if is_interactive() {
-            Self::Bar(ProgressBar::new_spinner())
+            Self::Bar(ShareBar::new())
         } else {
-            Self::Plain(Mutex::new(Plain { count: 0, done: 0, last_line: Instant::now() }))
+            Self::Plain(Mutex::new(Plain { stage: String::new(), count: 0, done: 0, last_line: Instant::now() }))
         }
     }
 
     /// Removes the bar from the terminal.
     pub fn finish(&self) {
         if let Self::Bar(bar) = self {
-            bar.finish_and_clear();
+            bar.finish();
         }
     }
 }
@@ -57,27 +63,36 @@ impl TerminalProgress {
 impl Progress for TerminalProgress {
     fn stage(&self, name: &str) {
         match self {
-            Self::Bar(bar) => {
-                bar.set_style(style("{spinner} {msg}  {elapsed}"));
-                bar.set_message(name.to_owned());
-                bar.enable_steady_tick(Duration::from_millis(100));
+            Self::Bar(bar) => bar.begin(name),
+            Self::Plain(plain) => {
+                print_line(name);
+                if let Ok(mut plain) = plain.lock() {
+                    *plain = Plain { stage: name.into(), count: 0, done: 0, last_line: Instant::now() };
+                }
             }
-            Self::Plain(_) => print_line(name),
+            Self::Silent => {}
+        }
+    }
+
+    fn done(&self, share: f64) {
+        match self {
+            Self::Bar(bar) => bar.done(share),
+            Self::Plain(plain) => {
+                if let Ok(mut plain) = plain.lock() {
+                    plain.line(|plain| format!("{}: {:.0} %", plain.stage, 100.0 * share));
+                }
+            }
             Self::Silent => {}
         }
     }
 
     fn poses(&self, count: usize) {
         match self {
-            Self::Bar(bar) => {
-                bar.reset();
-                bar.set_length(count as u64);
-                bar.set_style(style("poses  {bar:30} {pos}/{len}  {elapsed}, {eta} left"));
-            }
+            Self::Bar(bar) => bar.begin_items("poses", count),
             Self::Plain(plain) => {
                 print_line(&format!("poses (0 of {count})"));
                 if let Ok(mut plain) = plain.lock() {
-                    *plain = Plain { count, done: 0, last_line: Instant::now() };
+                    *plain = Plain { stage: "poses".into(), count, done: 0, last_line: Instant::now() };
                 }
             }
             Self::Silent => {}
@@ -86,18 +101,129 @@ impl Progress for TerminalProgress {
 
     fn pose_done(&self) {
         match self {
-            Self::Bar(bar) => bar.inc(1),
+            Self::Bar(bar) => bar.item_done(),
             Self::Plain(plain) => {
                 if let Ok(mut plain) = plain.lock() {
                     plain.done += 1;
-                    if plain.last_line.elapsed() >= PLAIN_INTERVAL && plain.done < plain.count {
-                        print_line(&format!("poses ({} of {})", plain.done, plain.count));
-                        plain.last_line = Instant::now();
+                    if plain.done < plain.count {
+                        plain.line(|plain| format!("poses ({} of {})", plain.done, plain.count));
                     }
                 }
             }
             Self::Silent => {}
         }
+    }
+}
+
+impl Plain {
+    /// Prints a line, unless the last one was not long ago.
+    fn line(&mut self, text: impl FnOnce(&Self) -> String) {
+        if self.last_line.elapsed() >= PLAIN_INTERVAL {
+            print_line(&text(self));
+            self.last_line = Instant::now();
+        }
+    }
+}
+
+/// A bar that shows how much of the work under way is done, and the time that is left.
+#[derive(Clone)]
+pub struct ShareBar {
+    bar: ProgressBar,
+    state: Arc<Mutex<ShareState>>,
+}
+
+/// What a [`ShareBar`] knows of the work under way.
+struct ShareState {
+    begin: Instant,
+    left: TimeLeft,
+    /// Whether a share was told, so that there is a bar.
+    is_told: bool,
+    /// The number of things, and how many are done; 0 for work that is told in shares.
+    items: [usize; 2],
+}
+
+impl ShareBar {
+    /// A bar on the terminal.
+    pub fn new() -> Self {
+        let bar = ProgressBar::new_spinner();
+        let state = ShareState { begin: Instant::now(), left: TimeLeft::default(), is_told: false, items: [0; 2] };
+        Self { bar, state: Arc::new(Mutex::new(state)) }
+    }
+
+    /// Work begins of which it is not known whether shares will be told.
+    pub fn begin(&self, name: &str) {
+        self.restart([0; 2]);
+        self.bar.set_message(name.to_owned());
+        self.bar.set_style(style("{spinner} {msg}  {elapsed}"));
+        self.bar.reset();
+        self.bar.enable_steady_tick(Duration::from_millis(100));
+    }
+
+    /// Work on `count` things begins.
+    pub fn begin_items(&self, name: &str, count: usize) {
+        self.restart([count, 0]);
+        self.bar.set_message(name.to_owned());
+        self.bar.set_length(count as u64);
+        self.bar.set_style(self.style_with_time("{msg}  {bar:30} {pos}/{len}  {elapsed}{left}"));
+        self.bar.reset();
+        self.bar.enable_steady_tick(Duration::from_millis(100));
+    }
+
+    /// This share of the work is done, from 0 to 1; less than before is nothing new.
+    pub fn done(&self, share: f64) {
+        let mut state = self.state();
+        let time = state.begin.elapsed().as_secs_f64();
+        state.left.report(time, share);
+        let position = (state.left.share() * WHOLE as f64) as u64;
+        let is_first = !std::mem::replace(&mut state.is_told, true);
+        // The bar is drawn with the state, so that it must be free.
+        drop(state);
+        if is_first {
+            self.bar.set_length(WHOLE);
+            self.bar.set_style(self.style_with_time("{spinner} {msg}  {bar:24} {percent:>3} %  {elapsed}{left}"));
+        }
+        self.bar.set_position(position);
+    }
+
+    /// One of the things is done.
+    pub fn item_done(&self) {
+        let mut state = self.state();
+        state.items[1] += 1;
+        let [count, done] = state.items;
+        let time = state.begin.elapsed().as_secs_f64();
+        state.left.report(time, done as f64 / count.max(1) as f64);
+        drop(state);
+        self.bar.set_position(done as u64);
+    }
+
+    /// Changes the words before the bar.
+    pub fn set_message(&self, text: String) {
+        self.bar.set_message(text);
+    }
+
+    /// Removes the bar from the terminal.
+    pub fn finish(&self) {
+        self.bar.finish_and_clear();
+    }
+
+    fn restart(&self, items: [usize; 2]) {
+        *self.state() = ShareState { begin: Instant::now(), left: TimeLeft::default(), is_told: false, items };
+    }
+
+    fn state(&self) -> MutexGuard<'_, ShareState> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// A style whose key `left` is the time left.
+    fn style_with_time(&self, template: &str) -> ProgressStyle {
+        let state = self.state.clone();
+        let left = move |_: &ProgressState, out: &mut dyn fmt::Write| {
+            let state = state.lock().unwrap_or_else(PoisonError::into_inner);
+            if let Some(seconds) = state.left.seconds(state.begin.elapsed().as_secs_f64()) {
+                let _ = write!(out, ", {} left", text::time_left(seconds));
+            }
+        };
+        style(template).with_key("left", left)
     }
 }
 

@@ -19,8 +19,8 @@ use {
 };
 
 use crate::cli::{
-    cache::CacheOptions, flags::with_flags, progress::TerminalProgress, results_file::ResultsFile, roots::Roots,
-    saved_pipeline::SavedPipeline, status::Status, summary, terminal,
+    cache::CacheOptions, flags::with_flags, profile::Profiler, progress::TerminalProgress, results_file::ResultsFile,
+    roots::Roots, saved_pipeline::SavedPipeline, status::Status, summary, terminal,
 };
 
 /// Runs a pipeline: pairs the meshes, transfers every pose and writes the results.
@@ -35,6 +35,7 @@ use crate::cli::{
   mimesh run horse-to-camel.yaml
   mimesh run horse-to-camel.yaml --set transfer.type=copy_displacement --out try
   mimesh run horse-to-camel.yaml --set 'output=[out/{pose}.ply]' --json
+  mimesh run horse-to-camel.yaml --no-cache --profile
   mimesh run pipelines/herd.yaml --set variables.detail=30 --table herd.csv")]
 pub struct Run {
     /// The pipeline's YAML file
@@ -68,6 +69,9 @@ pub struct Execution {
     /// Print errors only
     #[arg(long, short)]
     quiet: bool,
+    /// Also show where the time went, and write a trace to open at ui.perfetto.dev [default: profile.json, beside the report]
+    #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true)]
+    profile: Option<Option<PathBuf>>,
 }
 
 /// The options that change a pipeline without its file.
@@ -101,6 +105,7 @@ impl Run {
         let table = self.table.as_deref().map(ResultsFile::new).transpose()?;
         let saved = self.save.as_deref().map(SavedPipeline::new).transpose()?;
         let cache = self.execution.cache.open()?;
+        let mut profiler = self.execution.profiler()?;
         let options = Options { allow_commands: self.allow_commands, ..self.overrides.options() };
         let all = pipeline::prepare_all(&self.pipeline, &options, cache.as_ref())?;
         if let Some(table) = &table {
@@ -109,21 +114,46 @@ impl Run {
         if let Some(saved) = &saved {
             saved.write(&all)?;
         }
-        let results = self.execution.execute(&self.pipeline, &all, cache.as_ref())?;
+        if let Some(profiler) = &mut profiler {
+            profiler.choose_file(&all, [&self.table, &self.save].into_iter().filter_map(|file| file.as_deref()))?;
+        }
+        let results = self.execution.execute(&self.pipeline, &all, cache.as_ref(), profiler.as_ref())?;
         if let Some(table) = &table {
-            table.write(&results)?;
+            table.write(&results.0)?;
         }
         Ok(self.execution.finish(&results))
     }
 }
 
 impl Execution {
-    /// Runs all that is prepared from `file`, and shows what happens.
+    /// Begins to record, if the user wants a profile.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Profiler::begin`].
+    pub fn profiler(&self) -> Result<Option<Profiler>> {
+        self.profile.as_ref().map(|file| Profiler::begin(file.as_deref())).transpose()
+    }
+
+    /// Runs all that is prepared from `file`, and shows what happens; with the results the table of the profile, if there is one.
     ///
     /// # Errors
     ///
     /// The failure of a single run; that of one of several is among the results.
-    pub fn execute(&self, file: &Path, all: &[Prepared], cache: Option<&Cache>) -> Result<Results> {
+    pub fn execute(
+        &self,
+        file: &Path,
+        all: &[Prepared],
+        cache: Option<&Cache>,
+        profiler: Option<&Profiler>,
+    ) -> Result<(Results, Option<String>)> {
+        let results = self.execute_all(file, all, cache);
+        // A run that fails has a trace too.
+        let profile = profiler.map(Profiler::finish).transpose();
+        Ok((results?, profile?))
+    }
+
+    fn execute_all(&self, file: &Path, all: &[Prepared], cache: Option<&Cache>) -> Result<Results> {
         // Without a handler an interrupt would leave files that are half written.
         let _ = ctrlc::set_handler(|| staging::discard_all_and_exit(Status::Interrupted as u8));
         let mut shown_warnings = HashSet::new();
@@ -154,9 +184,15 @@ impl Execution {
         Ok(results)
     }
 
-    /// Prints the results; the exit status of all runs together.
-    pub fn finish(&self, results: &Results) -> Status {
+    /// Prints the results and the table of the profile; the exit status of all runs together.
+    pub fn finish(&self, (results, profile): &(Results, Option<String>)) -> Status {
         self.print(results);
+        match profile {
+            Some(_) if self.quiet => {}
+            Some(text) if self.json => terminal::print_beside(text),
+            Some(text) => terminal::print(text),
+            None => {}
+        }
         status(results)
     }
 

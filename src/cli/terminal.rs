@@ -12,6 +12,11 @@ pub fn print(text: &str) {
     let _ = io::stdout().write_all(text.as_bytes()).and_then(|()| io::stdout().flush());
 }
 
+/// Prints to stderr what belongs to a result, where stdout has the result for other programs.
+pub fn print_beside(text: &str) {
+    let _ = io::stderr().write_all(text.as_bytes());
+}
+
 /// Prints as JSON to stdout.
 pub fn print_json(value: &impl Serialize) {
     if let Ok(text) = serde_json::to_string_pretty(value) {

@@ -40,6 +40,7 @@ impl TransferCommand {
         let place = if self.force { SavedPipeline::replacing } else { SavedPipeline::new };
         let saved = self.save.as_deref().map(place).transpose()?;
         let cache = self.execution.cache.open()?;
+        let mut profiler = self.execution.profiler()?;
         let all = self.meshes.prepare(cache.as_ref())?;
         if !self.force {
             self.meshes.check_is_new(&all)?;
@@ -47,7 +48,11 @@ impl TransferCommand {
         if let Some(saved) = &saved {
             saved.write(&all)?;
         }
-        let results = self.execution.execute(self.meshes.name(), &all, cache.as_ref()).map_err(in_arguments)?;
+        if let Some(profiler) = &mut profiler {
+            profiler.choose_file(&all, self.save.as_deref())?;
+        }
+        let results = self.execution.execute(self.meshes.name(), &all, cache.as_ref(), profiler.as_ref());
+        let results = results.map_err(in_arguments)?;
         Ok(self.execution.finish(&results))
     }
 }

@@ -30,6 +30,7 @@ pub mod placeholder;
 pub mod plan;
 pub mod pose_files;
 mod pose_units;
+pub mod profile;
 mod programs;
 pub mod progress;
 pub mod propose;

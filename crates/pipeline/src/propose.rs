@@ -1,6 +1,6 @@
 //! Markers by a stage, as a run and a person ask for them.
 
-use mimesh_core::stage::{Landmarks, Marker, Proposal, TransferPair};
+use mimesh_core::stage::{Landmarks, Marker, Proposal, TransferPair, Work};
 use mimesh_document::{Diagnostic, Kind, diagnostic::Result};
 use mimesh_markers::{IntoDiagnostic, MarkerFile, MarkerPair, MarkerStatus, MeshRole};
 
@@ -13,7 +13,7 @@ use crate::{
 pub const ALLOW_COMMANDS: &str = "allow_commands";
 
 /// The pairs that `landmarks` proposes between two meshes at rest, beside the user's `clicks`; a warning tells where the target looks
-/// mirrored.
+/// mirrored. The stage reports to `work` how much is done.
 ///
 /// # Errors
 ///
@@ -23,13 +23,14 @@ pub fn propose(
     [source, target]: [&RestMesh; 2],
     clicks: &[Marker],
     allow_commands: bool,
+    work: Work<'_>,
 ) -> Result<Proposal> {
     if let Some(command) = landmarks.command().filter(|_| !allow_commands) {
         return Err(not_allowed(command).into());
     }
     let pair =
         TransferPair { source: &source.surface, target: target.seen_surface(), markers: clicks, proximity: None };
-    let proposal = landmarks.propose(pair).and_then(|proposal| proposal.check(pair).map(|()| proposal));
+    let proposal = landmarks.propose_watched(pair, work).and_then(|proposal| proposal.check(pair).map(|()| proposal));
     let mut proposal = proposal.map_err(IntoDiagnostic::into_diagnostic)?;
     if let Some(warning) = handedness::warning_of_markers(source, target, &proposal.markers()) {
         proposal.figures.warn(warning);

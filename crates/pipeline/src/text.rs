@@ -85,6 +85,17 @@ pub fn seconds(seconds: f64) -> String {
     }
 }
 
+/// A time that is left, in whole seconds, e.g. `7 s`, `3 min 20 s`, `2 h 5 min`.
+pub fn time_left(seconds: f64) -> String {
+    let whole = seconds.max(0.0).round() as u64;
+    match (whole / 3600, whole / 60 % 60, whole % 60) {
+        (0, 0, 0) => "less than 1 s".into(),
+        (0, 0, seconds) => format!("{seconds} s"),
+        (0, minutes, seconds) => format!("{minutes} min {seconds} s"),
+        (hours, minutes, _) => format!("{hours} h {minutes} min"),
+    }
+}
+
 /// Rows under each other: the first column to the left, the others to the right, two blanks between.
 pub fn table(rows: &[Vec<String>]) -> String {
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
@@ -138,6 +149,8 @@ mod tests {
         assert_eq!([7, 8431, 1234567].map(thousands), ["7", "8,431", "1,234,567"]);
         assert_eq!([999, 1500, 22_400_000].map(bytes), ["999 bytes", "1.5 kB", "22 MB"]);
         assert_eq!([0.041, 12.34, 200.0].map(seconds), ["0.04 s", "12.3 s", "3 min 20 s"]);
+        let left = [0.3, 59.4, 61.0, 7500.0].map(time_left);
+        assert_eq!(left, ["less than 1 s", "59 s", "1 min 1 s", "2 h 5 min"]);
     }
 
     #[test]

@@ -152,7 +152,7 @@ impl KeyPoints for Greedy {
         let judge = Judge::new(&exact, ranking.as_ref(), self.shortlist, watch);
         let limits = self.limits(&mut figures);
         let mut search = Search::begin(&points, &rules, judge, watch, first)?;
-        let added = search.add(limits)?;
+        let added = search.add(limits, self.max_rounds)?;
         let exchanged = search.exchange(self.max_rounds);
         figures.set("candidates", points.len());
         report(&mut figures, &search, &rules, limits, (&added, &exchanged));

@@ -1,9 +1,6 @@
 //! Judges sets of handles, and remembers which could not be judged.
 
-use std::{
-    collections::{BTreeMap, HashMap},
-    sync::atomic::{AtomicUsize, Ordering},
-};
+use std::collections::{BTreeMap, HashMap};
 
 use mimesh_core::{
     Error, Result,
@@ -154,14 +151,11 @@ impl<'a> Judge<'a> {
 
     /// The trials with their errors; without those that an interrupt leaves out.
     fn errors(&self, evaluator: &Evaluator<'_>, trials: &[Trial]) -> Vec<(Trial, Result<f64>)> {
-        let done = AtomicUsize::new(0);
         let error = |(trial, weights): (&Trial, Result<HandleWeights>)| {
             if self.watch.is_interrupted() {
                 return None;
             }
-            let error = weights.and_then(|weights| evaluator.error_of(&weights));
-            self.watch.progress(done.fetch_add(1, Ordering::Relaxed) + 1, trials.len());
-            Some((trial.clone(), error))
+            Some((trial.clone(), weights.and_then(|weights| evaluator.error_of(&weights))))
         };
         let of_some = |some: &[Trial]| -> Vec<(Trial, Result<f64>)> {
             if self.watch.is_interrupted() {

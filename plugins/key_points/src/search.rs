@@ -8,6 +8,7 @@ use mimesh_core::{
 
 use crate::{
     candidates::{HandleRules, MIN_POINTS},
+    course::Course,
     judge::{Judge, ROUNDING, Trial},
 };
 
@@ -57,6 +58,7 @@ pub struct Search<'a> {
     points: &'a [SurfacePoint],
     rules: &'a HandleRules,
     watch: &'a dyn ChoiceWatch,
+    course: Course<'a>,
     pub judge: Judge<'a>,
     /// The chosen candidates.
     pub chosen: Vec<usize>,
@@ -76,7 +78,8 @@ impl<'a> Search<'a> {
         first: Vec<usize>,
     ) -> Result<Self> {
         let error = judge.error(&first)?;
-        let mut search = Self { points, rules, watch, judge, chosen: vec![], error, steps: vec![] };
+        let course = Course::new(watch);
+        let mut search = Self { points, rules, watch, course, judge, chosen: vec![], error, steps: vec![] };
         search.take(first, error, false);
         Ok(search)
     }
@@ -85,7 +88,9 @@ impl<'a> Search<'a> {
     ///
     /// A point may raise the error where no other does better (algorithm 1, line 14), and a later one make up for it. Such sets
     /// wait until then, and are dropped if none does. Sets of too few points are kept in any case.
-    pub fn add(&mut self, limits: Limits) -> Result<Added> {
+    ///
+    /// At most `max_rounds` of exchanges are to follow.
+    pub fn add(&mut self, limits: Limits, max_rounds: usize) -> Result<Added> {
         let (mut set, mut error) = (self.chosen.clone(), self.error);
         let mut waiting: Vec<(Vec<usize>, f64)> = Vec::new();
         let ending = loop {
@@ -112,6 +117,7 @@ impl<'a> Search<'a> {
                 return Err(self.no_addition(set.len()));
             };
             (set, error) = (trial.handles, of_trial);
+            self.course.added(set.len(), limits.max_count, max_rounds);
             let is_kept = !self.is_enough(&self.chosen, limits) || self.is_less(error);
             waiting.push((set.clone(), error));
             if is_kept {
@@ -146,6 +152,7 @@ impl<'a> Search<'a> {
                     unchanged = 0;
                     worst = self.judge.worst_to_judge(&self.chosen);
                 }
+                self.course.tried(self.chosen.len(), unchanged, max_rounds - round);
             }
             if self.error >= before {
                 return Exchanged { rounds: round, is_cut_short: false };

@@ -20,6 +20,7 @@ use mimesh_core::{
 use nalgebra::{Matrix3, Point3, Vector3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use tracing::debug_span;
 
 use crate::{
     frames::{Frames, evenly_spaced},
@@ -81,7 +82,11 @@ impl Transfer for Blend {
         let mut parts = Vec::with_capacity(self.parts.len());
         for (k, (part, weights)) in self.parts.iter().zip(&weights).enumerate() {
             let seen = evenly_spaced(input.poses, part.transfer.poses_wanted());
-            let bound = part.transfer.bind(BindInput { poses: &seen, ..input }).map_err(|error| at(k, error))?;
+            let count = self.parts.len() as f64;
+            let work = input.work.part(k as f64 / count, (k + 1) as f64 / count);
+            let input = BindInput { poses: &seen, work, ..input };
+            let span = debug_span!("transfer", "type" = part.transfer.typetag_name());
+            let bound = span.in_scope(|| part.transfer.bind(input)).map_err(|error| at(k, error))?;
             let of_part = bound.figures();
             of_part.values.into_iter().for_each(|(name, value)| figures.set(&format!("{}_{name}", k + 1), value));
             figures.warnings.extend(of_part.warnings);

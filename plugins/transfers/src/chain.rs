@@ -15,6 +15,7 @@ use mimesh_core::{
 use nalgebra::Point3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use tracing::debug_span;
 
 use crate::{
     frames::{Frames, evenly_spaced},
@@ -57,7 +58,9 @@ impl Transfer for Chain {
         let pair = input.pair;
         let (first, others) = self.split()?;
         let mut figures = Figures::default();
-        let mut links = vec![link(0, first.as_ref(), input, &mut figures)?];
+        let count = self.transfers.len() as f64;
+        let part = |k: usize| input.work.part(k as f64 / count, (k + 1) as f64 / count);
+        let mut links = vec![link(0, first.as_ref(), BindInput { work: part(0), ..input }, &mut figures)?];
         let markers = on_itself(pair.markers);
         let itself = TransferPair { source: pair.target, markers: &markers, ..pair };
         let identity = identity(pair.target);
@@ -69,7 +72,7 @@ impl Transfer for Chain {
             for pose in &mut seen {
                 *pose = before.transfer(pose)?.positions;
             }
-            let next = BindInput { pair: itself, map: Some(&identity), poses: &seen };
+            let next = BindInput { pair: itself, map: Some(&identity), poses: &seen, work: part(k + 1) };
             links.push(link(k + 1, &**transfer, next, &mut figures)?);
         }
         Ok(Box::new(Bound { links, figures }))
@@ -106,7 +109,8 @@ fn link(
     figures: &mut Figures,
 ) -> Result<Box<dyn BoundTransfer>> {
     let poses = evenly_spaced(input.poses, transfer.poses_wanted());
-    let bound = transfer.bind(BindInput { poses: &poses, ..input }).map_err(|error| at(k, error))?;
+    let span = debug_span!("transfer", "type" = transfer.typetag_name());
+    let bound = span.in_scope(|| transfer.bind(BindInput { poses: &poses, ..input })).map_err(|error| at(k, error))?;
     add(figures, k, bound.figures());
     Ok(bound)
 }

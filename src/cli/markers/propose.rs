@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use mimesh_core::{
     mesh::Surface,
     plugin::instance,
-    stage::{Landmarks, Marker, Proposal},
+    stage::{Landmarks, Marker, Proposal, Work},
 };
 use mimesh_document::diagnostic::{Diagnostic, Kind, Location, Result};
 use mimesh_markers::{MarkerFile, MarkerFiles, MarkerStatus, MeshRole, PointSource, export};
@@ -157,7 +157,7 @@ impl Propose {
         let (meshes, stage) = self.meshes.read()?;
         let clicks = confirmed(&meshes, &self.meshes.formats())?;
         let sides = [&meshes.source, &meshes.target];
-        let proposal = propose(stage.as_ref(), sides, &clicks, self.meshes.allow_commands())?;
+        let proposal = propose(stage.as_ref(), sides, &clicks, self.meshes.allow_commands(), Work::UNWATCHED)?;
         proposal.figures.warnings.iter().for_each(|warning| terminal::warn(warning));
         let file = as_file(&proposal, &meshes, clicks.len());
         let mut staged = Vec::new();

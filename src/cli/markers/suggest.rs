@@ -1,5 +1,6 @@
 //! `mimesh markers suggest`: the point to click next.
 
+use mimesh_core::stage::Work;
 use mimesh_core::{
     mesh::{Surface, SurfacePoint},
     stage::{Marker, TransferPair},
@@ -38,7 +39,7 @@ impl Suggest {
         let Known { pairs, are_clicks } = known(&meshes, &self.meshes.formats())?;
         let known = if are_clicks {
             let sides = [&meshes.source, &meshes.target];
-            let proposed = propose(stage.as_ref(), sides, &pairs, self.meshes.allow_commands());
+            let proposed = propose(stage.as_ref(), sides, &pairs, self.meshes.allow_commands(), Work::UNWATCHED);
             match proposed {
                 Ok(proposal) => proposal.markers(),
                 // Clicks say more than nothing where the shapes alone say too little.

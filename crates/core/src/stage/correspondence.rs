@@ -1,6 +1,6 @@
 use std::fmt::Debug;
 
-use super::{TransferPair, TriangleMap};
+use super::{TransferPair, TriangleMap, Work};
 use crate::Result;
 
 /// Finds for each target triangle the source triangle that it moves like.
@@ -23,6 +23,15 @@ pub trait Correspondence: Debug + Send + Sync {
     ///
     /// If the markers or the surfaces do not do for this method.
     fn correspond(&self, pair: TransferPair<'_>) -> Result<TriangleMap>;
+
+    /// [`correspond`](Self::correspond), for methods that take long: they report to `work` how much is done.
+    ///
+    /// # Errors
+    ///
+    /// The errors of [`correspond`](Self::correspond).
+    fn correspond_watched(&self, pair: TransferPair<'_>, _work: Work<'_>) -> Result<TriangleMap> {
+        self.correspond(pair)
+    }
 
     /// Looks for what [`correspond`](Self::correspond) would refuse, as far as that takes little time, so that a pipeline can be
     /// checked without computing.

@@ -43,8 +43,8 @@ pub trait ChoiceWatch: Sync {
     /// A step is done.
     fn step(&self, step: &ChoiceStep);
 
-    /// Reports that `done` of `all` parts of the current step are done.
-    fn progress(&self, _done: usize, _all: usize) {}
+    /// Reports which share of the whole choice is done, from 0 to 1, for choices that can tell.
+    fn done(&self, _share: f64) {}
 
     /// Whether to end with the points chosen so far.
     fn is_interrupted(&self) -> bool {

@@ -2,7 +2,7 @@ use std::fmt::Debug;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Marker, TransferPair};
+use super::{Marker, TransferPair, Work};
 use crate::{Figures, Result, mesh::SurfacePoint};
 
 /// Proposes corresponding points of two surfaces, so that nobody has to pick them.
@@ -26,6 +26,15 @@ pub trait Landmarks: Debug + Send + Sync {
     /// [`Error::Setting`](crate::Error::Setting) for settings out of range, [`Error::Data`](crate::Error::Data) for surfaces between
     /// which no pairs are found that can be trusted.
     fn propose(&self, pair: TransferPair<'_>) -> Result<Proposal>;
+
+    /// [`propose`](Self::propose), for methods that take long: they report to `work` how much is done.
+    ///
+    /// # Errors
+    ///
+    /// The errors of [`propose`](Self::propose).
+    fn propose_watched(&self, pair: TransferPair<'_>, _work: Work<'_>) -> Result<Proposal> {
+        self.propose(pair)
+    }
 
     /// The place where one more click would help most, where the markers of `pair` are those that are known so far; `None` where the
     /// stage cannot tell.

@@ -24,6 +24,7 @@ mod statistic;
 mod transfer;
 mod triangle_map;
 mod weights;
+mod work;
 
 pub use clusterer::{BoundClusterer, Clusterer, Regions};
 pub use component_ref::ComponentRef;
@@ -45,3 +46,4 @@ pub use statistic::{Aggregate, Limits, Statistic};
 pub use transfer::{BindInput, BoundTransfer, Motion, Transfer, Transferred};
 pub use triangle_map::TriangleMap;
 pub use weights::{BoundWeights, HandleWeights, Weights};
+pub use work::{Tally, Work};

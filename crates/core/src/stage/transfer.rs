@@ -2,7 +2,7 @@ use std::fmt::Debug;
 
 use nalgebra::Point3;
 
-use super::{TransferPair, TriangleMap};
+use super::{TransferPair, TriangleMap, Work};
 use crate::{Error, Figures, Result};
 
 /// Moves the target as the source moves.
@@ -63,12 +63,14 @@ pub struct BindInput<'a> {
     /// Poses of the source, #V of the source each: at most as many as [`poses_wanted`](Transfer::poses_wanted), evenly spread
     /// over all of them. Empty if there are none to see.
     pub poses: &'a [Vec<Point3<f64>>],
+    /// Where a transfer that takes long to bind reports how much is done.
+    pub work: Work<'a>,
 }
 
 impl<'a> BindInput<'a> {
-    /// The input along `map`, without poses.
+    /// The input along `map`, without poses; nobody waits.
     pub fn new(pair: TransferPair<'a>, map: &'a TriangleMap) -> Self {
-        Self { pair, map: Some(map), poses: &[] }
+        Self { pair, map: Some(map), poses: &[], work: Work::UNWATCHED }
     }
 
     /// The map, for transfers that cannot do without one.

@@ -3,7 +3,7 @@ use std::fmt::Debug;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-use super::ProximityGraph;
+use super::{ProximityGraph, Work};
 use crate::{
     Figures, Result,
     mesh::{Surface, SurfacePoint},
@@ -46,6 +46,15 @@ pub trait BoundWeights: Debug + Send + Sync {
     /// [`Error::Data`](crate::Error::Data) if there is no handle, if two are the same or lie on the same vertex, or if a
     /// component is reached by none; it names them.
     fn solve(&self, handles: &[usize]) -> Result<HandleWeights>;
+
+    /// [`solve`](Self::solve), for weights that take long: they report to `work` how much is done.
+    ///
+    /// # Errors
+    ///
+    /// The errors of [`solve`](Self::solve).
+    fn solve_watched(&self, handles: &[usize], _work: Work<'_>) -> Result<HandleWeights> {
+        self.solve(handles)
+    }
 
     /// [`solve`](Self::solve) for each of `choices`, for weights that are cheaper for several at once. The weights of a choice do not
     /// depend on the others, not in their last bit.

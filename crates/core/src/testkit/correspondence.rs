@@ -1,6 +1,6 @@
 //! The contract of correspondences.
 
-use super::support::{bent_bar, one_thread};
+use super::support::{bent_bar, one_thread, watched};
 use crate::{
     mesh::SurfacePoint,
     stage::{Correspondence, Marker, TransferPair},
@@ -14,10 +14,11 @@ pub fn correspondence(name: &str, stage: &dyn Correspondence) {
         .map(|v| Marker { name: v.to_string(), source: SurfacePoint::Vertex(v), target: SurfacePoint::Vertex(v) })
         .collect();
     let pair = TransferPair { source: &surface, target: &surface, markers: &markers, proximity: None };
-    let run = || stage.correspond(pair).unwrap_or_else(|error| panic!("{name}: {error}"));
-    let map = run();
+    let map = stage.correspond(pair).unwrap_or_else(|error| panic!("{name}: {error}"));
     map.check(pair).unwrap_or_else(|error| panic!("{name}: {error}"));
-    assert!(map == one_thread(run), "{name}: another map on one thread");
+    let again = one_thread(|| watched(name, |work| stage.correspond_watched(pair, work)));
+    let again = again.unwrap_or_else(|error| panic!("{name}: fails on one thread: {error}"));
+    assert!(map == again, "{name}: another map on one thread, or while somebody waits");
     let barycentres = surface.barycentres(&surface.positions);
     let edge =
         surface.triangles.iter().map(|t| (surface.positions[t[0] as usize] - surface.positions[t[1] as usize]).norm());

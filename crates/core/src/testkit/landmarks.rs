@@ -4,7 +4,7 @@ use nalgebra::Point3;
 
 use super::{
     meshes,
-    support::{one_thread, with_defects},
+    support::{one_thread, watched, with_defects},
 };
 use crate::{
     Error,
@@ -29,8 +29,9 @@ pub fn landmarks(name: &str, stage: &dyn Landmarks) {
         let run = || stage.propose(pair).map_err(|error| with_way_out(name, error));
         let proposal = run()?;
         proposal.check(pair).unwrap_or_else(|error| panic!("{name}: {error}"));
-        let again = one_thread(run).unwrap_or_else(|error| panic!("{name}: fails on one thread: {error}"));
-        assert!(proposal == again, "{name}: other pairs on one thread");
+        let again = one_thread(|| watched(name, |work| stage.propose_watched(pair, work)));
+        let again = again.unwrap_or_else(|error| panic!("{name}: fails on one thread: {error}"));
+        assert!(proposal == again, "{name}: other pairs on one thread, or while somebody waits");
         Ok(proposal)
     };
     let clicks = [Marker { name: "nape".into(), source: SurfacePoint::Vertex(5), target: SurfacePoint::Vertex(7) }];

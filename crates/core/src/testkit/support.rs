@@ -3,7 +3,10 @@
 use nalgebra::Point3;
 
 use super::meshes;
-use crate::mesh::{Surface, diagonal};
+use crate::{
+    mesh::{Surface, diagonal},
+    stage::Work,
+};
 
 /// Rounding through one factorisation and solve of these small meshes, relative to the diagonal.
 const TOLERANCE: f64 = 1e-9;
@@ -11,6 +14,12 @@ const TOLERANCE: f64 = 1e-9;
 pub(super) fn one_thread<T: Send>(run: impl FnOnce() -> T + Send) -> T {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a pool of one thread");
     pool.install(run)
+}
+
+/// Work that somebody waits for, who gets shares from 0 to 1.
+pub(super) fn watched<T>(name: &str, run: impl FnOnce(Work<'_>) -> T) -> T {
+    let report = |share: f64| assert!((0.0..=1.0).contains(&share), "{name}: {share} of the work is done");
+    run(Work::new(&report))
 }
 
 pub(super) fn near(name: &str, law: &str, found: &[Point3<f64>], expected: &[Point3<f64>]) {

@@ -8,7 +8,7 @@ use super::{
 };
 use crate::{
     mesh::{Surface, SurfacePoint},
-    stage::{BindInput, BoundTransfer, Marker, Transfer, TransferPair, TriangleMap},
+    stage::{BindInput, BoundTransfer, Marker, Transfer, TransferPair, TriangleMap, Work},
 };
 
 /// The contract of [`Transfer`], on a sound surface and on one with defects, along triangles and along points.
@@ -41,7 +41,7 @@ fn transfer_between(name: &str, stage: &dyn Transfer, source: &Surface, target: 
     };
 
     let pair = TransferPair { source, target, markers: &markers, proximity: None };
-    match stage.bind(BindInput { pair, map: None, poses: &[] }) {
+    match stage.bind(BindInput { pair, map: None, poses: &[], work: Work::UNWATCHED }) {
         Ok(_) => assert!(!stage.needs_correspondence(), "{name}: needs a correspondence, and binds without one"),
         Err(error) => {
             assert!(stage.needs_correspondence(), "{name}: {error}");

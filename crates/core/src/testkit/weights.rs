@@ -4,7 +4,7 @@ use nalgebra::DMatrix;
 
 use super::{
     meshes,
-    support::{bent_bar, one_thread, with_defects},
+    support::{bent_bar, one_thread, watched, with_defects},
 };
 use crate::{
     Figures,
@@ -49,6 +49,9 @@ fn on_surface(
     let fewer = solve(&[1, 3, 0]);
     check_laws(name, surface, &fewer, &[1, 3, 0].map(|h: usize| vertices[h]));
     assert!(w == solve(&handles), "{name}: other weights after another choice of handles");
+    let waited = watched(name, |work| bound.solve_watched(&handles, work));
+    let waited = waited.unwrap_or_else(|error| panic!("{name}: {error}")).matrix;
+    assert!(w == waited, "{name}: other weights while somebody waits");
     let choices: [&[usize]; 4] = [&handles, &[1, 3, 0], &[2, 2], &[5, 1]];
     let together = bound.solve_all(&choices);
     assert_eq!(together.len(), choices.len(), "{name}: one result a choice of handles");

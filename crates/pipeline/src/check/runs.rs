@@ -10,6 +10,7 @@ use mimesh_core::{
     stage::{Marker, Proximity, ProximityGraph, TransferPair},
 };
 use mimesh_document::{Document, diagnostic::Result, path};
+use tracing::info_span;
 
 use super::{
     common::{Options, check_formats, check_registry, pipeline_files, refused_without_reason},
@@ -76,6 +77,7 @@ fn prepare_runs(
     cache: Option<&Cache>,
     mut clock: Clock,
 ) -> Result<Vec<Prepared>> {
+    let _reading = info_span!("reading").entered();
     let Runs { runs, diagnostics, suppressed, warnings, .. } = runs;
     let mut collected = RunDiagnostics::new(&runs, diagnostics, suppressed);
     let (several, meshes) = (runs.len() > 1, SharedMeshes::default());
@@ -322,7 +324,7 @@ fn proximity(stage: &dyn Proximity, target: &RestMesh, shared: &Shared<'_>) -> m
         let report = clock.stop("proximity", name, graph.figures.clone()).reused();
         return Ok(ProximityInput { graph, report });
     }
-    let graph = stage.proximity(&target.surface)?;
+    let graph = info_span!("proximity", "type" = name).in_scope(|| stage.proximity(&target.surface))?;
     graph.check(&target.surface)?;
     let report = clock.stop("proximity", name, graph.figures.clone());
     Ok(ProximityInput { graph, report })

@@ -165,7 +165,7 @@ fn measure<'m, 'a: 'm>(members: impl Iterator<Item = &'m Member<'a>>, input: Met
     let mut measurements = PoseMeasurements::default();
     for member in members {
         let Some(bound) = &member.bound else { continue };
-        match bound.measure(input) {
+        match tracing::debug_span!("metric", "type" = &*member.name).in_scope(|| bound.measure(input)) {
             Ok(measured) if measured.statistics.values.is_empty() => {}
             Ok(measured) => measurements.measured.push((member.name.clone(), measured)),
             Err(error) => measurements.failed.push((member.name.clone(), error.to_string())),

@@ -8,6 +8,7 @@ use mimesh_document::{Diagnostic, Diagnostics, Kind, diagnostic::Result};
 use mimesh_markers::IntoDiagnostic;
 use rayon::prelude::*;
 use serde_json::Value;
+use tracing::info_span;
 
 use super::{measure::Measurer, poses::PoseRunner, shapes::Shapes, stages::Stages, stream::Stream, written};
 use crate::{
@@ -47,9 +48,12 @@ pub fn run(
     cache: Option<&Cache>,
     progress: &dyn Progress,
 ) -> Result<Finished> {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    let name = |worker| format!("worker {}", worker + 1);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).thread_name(name).build();
     let pool = pool.map_err(|error| Diagnostic::new(Kind::Internal, format!("cannot start threads: {error}")))?;
-    pool.install(|| execute(prepared, plan, cache, progress))
+    // The threads of the pool are in no span.
+    let span = info_span!("run", "type" = &*prepared.variant.name);
+    pool.install(|| span.in_scope(|| execute(prepared, plan, cache, progress)))
 }
 
 fn execute(prepared: &Prepared, plan: &Plan, cache: Option<&Cache>, progress: &dyn Progress) -> Result<Finished> {
@@ -87,7 +91,7 @@ fn execute(prepared: &Prepared, plan: &Plan, cache: Option<&Cache>, progress: &d
     progress.poses(prepared.poses.len());
     let metrics = match measured {
         Some(_) => MetricSet::for_verdicts(&prepared.metrics),
-        None => MetricSet::bind(&prepared.metrics, context(prepared, &stages))?,
+        None => info_span!("metrics").in_scope(|| MetricSet::bind(&prepared.metrics, context(prepared, &stages)))?,
     };
     let metrics = metrics.with_gates(&prepared.gates);
     let thumbnails = prepared.outputs.are_visual().then(|| Thumbnails::new(prepared));
@@ -96,7 +100,8 @@ fn execute(prepared: &Prepared, plan: &Plan, cache: Option<&Cache>, progress: &d
     let shapes = Shapes::new(prepared, &stages);
     let runner = PoseRunner { prepared, stages: &stages, measurer: &measurer, shapes: &shapes };
     let clock = Clock::start();
-    let Stream { poses, failed, files, mut warnings } = Stream::run(&runner, progress)?;
+    let Stream { poses, failed, files, mut warnings } =
+        info_span!("poses").in_scope(|| Stream::run(&runner, progress))?;
     warnings.extend(shapes.warning());
     drop(metrics);
     staged.extend(files);
@@ -111,6 +116,7 @@ fn execute(prepared: &Prepared, plan: &Plan, cache: Option<&Cache>, progress: &d
         warning_of_rest([source, target], &prepared.poses, &prepared.formats, &proposal.markers())
     });
     progress.stage("writing");
+    let _writing = info_span!("writing").entered();
     let mut report = assemble(prepared, stages, poses, &failed, &staged, cache, since_start)?;
     report.warnings.splice(prepared.warnings.len()..prepared.warnings.len(), warnings.into_iter().chain(of_rest));
     deduplicate(&mut report.warnings);

@@ -111,7 +111,7 @@ impl Measurer<'_> {
                 verdict: report.verdict.as_ref(),
                 limit_ratio: self.metrics.limit_ratio(&metrics),
             };
-            thumbnails.add(i, &view);
+            tracing::debug_span!("pictures").in_scope(|| thumbnails.add(i, &view));
         }
     }
 

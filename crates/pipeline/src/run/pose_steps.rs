@@ -8,6 +8,7 @@ use std::{
 use mimesh_core::{mesh::PosesAre, stage::Motion};
 use mimesh_document::{Diagnostics, diagnostic};
 use rayon::prelude::*;
+use tracing::{Span, debug_span};
 
 use super::{
     files::pose_files,
@@ -31,6 +32,8 @@ pub(super) struct PoseSteps<'a> {
     pub runner: &'a PoseRunner<'a>,
     /// The motion under way, where poses are frames of one.
     pub motion: Mutex<Option<Box<dyn Motion + 'a>>>,
+    /// The span of all poses: any thread may take a step.
+    pub span: Span,
 }
 
 impl<'a> PoseSteps<'a> {
@@ -49,6 +52,7 @@ impl Steps for PoseSteps<'_> {
     /// Frames of one motion are taken from the cache only where all are there. If one proves damaged, the motion is replayed up to it.
     fn pose(&self, batch: Range<usize>) -> diagnostic::Result<Vec<PoseResult<PosedPose>>> {
         let runner = self.runner;
+        let _posing = debug_span!(parent: &self.span, "pose", count = batch.len()).entered();
         // Taken, not held: this thread may begin another batch while it waits for others, but not within a motion.
         let mut motion = self.motion().take();
         let cache = runner.stages.reusable_poses().filter(|_| motion.is_none());
@@ -97,8 +101,10 @@ impl Steps for PoseSteps<'_> {
         let name = prepared.poses[i].name.clone();
         let mut report =
             PoseReport { name, reused: this.reused, figures: this.target.figures.clone(), ..PoseReport::default() };
-        self.runner.measurer.measure(i, this, before, self.runner.stages.pose_cache(), &mut report);
-        let files = pose_files(prepared, i, &this.target.positions)?;
+        let span = debug_span!(parent: &self.span, "measure", pose = &*report.name);
+        span.in_scope(|| self.runner.measurer.measure(i, this, before, self.runner.stages.pose_cache(), &mut report));
+        let files = debug_span!(parent: &self.span, "write", pose = &*report.name)
+            .in_scope(|| pose_files(prepared, i, &this.target.positions))?;
         Ok(PoseOutput { report, files })
     }
 }

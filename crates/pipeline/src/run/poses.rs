@@ -11,6 +11,7 @@ use mimesh_document::{Diagnostic, Location};
 use mimesh_markers::IntoDiagnostic;
 use nalgebra::Point3;
 use rayon::prelude::*;
+use tracing::{Span, debug_span};
 
 use super::{
     measure::{Measurer, PosedPose},
@@ -49,22 +50,24 @@ impl<'a> PoseRunner<'a> {
     /// A pose from the cache.
     pub(super) fn reused(&self, pose: &PoseInput, target: PosedTarget) -> PoseResult<PosedPose> {
         // The source is only there to measure against; where it cannot be read, less is measured.
-        let posed = if self.measurer.wants_source() { self.read(pose).ok() } else { None };
+        let posed = if self.measurer.wants_source() { self.read(pose, &Span::current()).ok() } else { None };
         self.measurable(pose, target, true, posed.map(|posed| posed.surface))
     }
 
     /// Poses that stand alone.
     pub(super) fn transferred(&self, poses: &[usize], bound: &dyn BoundTransfer) -> Vec<PoseResult<PosedPose>> {
-        let sources: Vec<_> = poses.par_iter().map(|&i| self.read(&self.prepared.poses[i])).collect();
+        let span = Span::current();
+        let read = |&i: &usize| self.read(&self.prepared.poses[i], &span);
+        let sources: Vec<_> = poses.par_iter().map(read).collect();
         let readable: Vec<&[Point3<f64>]> = sources.iter().flatten().map(|source| source.surface.as_slice()).collect();
-        let mut transferred = bound.transfer_all(&readable).into_iter();
+        let mut transferred = self.transfer_span(readable.len()).in_scope(|| bound.transfer_all(&readable)).into_iter();
         let results: Vec<_> = sources
             .into_iter()
             .map(|source| source.map(|source| (source, transferred.next().expect("each pose has a result"))))
             .collect();
         let posed = |(&i, result): (&usize, PoseResult<(SourcePose, Result<Transferred>)>)| {
             let (source, transferred) = result?;
-            self.posed(i, source, transferred)
+            debug_span!(parent: &span, "result").in_scope(|| self.posed(i, source, transferred))
         };
         poses.par_iter().zip(results).map(posed).collect()
     }
@@ -72,19 +75,20 @@ impl<'a> PoseRunner<'a> {
     /// Frames of one motion: read side by side, but transferred one after the other.
     pub(super) fn frames(&self, frames: Range<usize>, motion: &mut dyn Motion) -> Vec<PoseResult<PosedPose>> {
         let poses = &self.prepared.poses;
-        let read: Vec<_> = frames.clone().into_par_iter().map(|i| self.read(&poses[i])).collect();
+        let span = Span::current();
+        let read: Vec<_> = frames.clone().into_par_iter().map(|i| self.read(&poses[i], &span)).collect();
         let transferred: Vec<_> = frames
             .clone()
             .zip(read)
             .map(|(i, source)| {
                 let source = source?;
-                let transferred = motion.frame(i, &source.surface);
+                let transferred = self.transfer_span(1).in_scope(|| motion.frame(i, &source.surface));
                 Ok((source, transferred))
             })
             .collect();
         let posed = |(i, result): (usize, PoseResult<(SourcePose, Result<Transferred>)>)| {
             let (source, transferred) = result?;
-            self.posed(i, source, transferred)
+            debug_span!(parent: &span, "result").in_scope(|| self.posed(i, source, transferred))
         };
         frames.into_par_iter().zip(transferred).map(posed).collect()
     }
@@ -92,7 +96,7 @@ impl<'a> PoseRunner<'a> {
     /// Brings a motion to frame `end`; the results before it are there already.
     pub(super) fn replay(&self, end: usize, motion: &mut dyn Motion) {
         for (i, pose) in self.prepared.poses[..end].iter().enumerate() {
-            if let Ok(source) = self.read(pose) {
+            if let Ok(source) = self.read(pose, &Span::current()) {
                 // A frame that failed was reported when it came first.
                 let _ = motion.frame(i, &source.surface);
             }
@@ -151,8 +155,14 @@ impl<'a> PoseRunner<'a> {
         Ok(PosedPose { target, surface, reused, source })
     }
 
-    /// The source in a pose.
-    fn read(&self, pose: &PoseInput) -> PoseResult<SourcePose> {
+    /// The span of a transfer of `count` poses.
+    fn transfer_span(&self, count: usize) -> Span {
+        debug_span!("transfer", "type" = self.stages.transfer.typetag_name(), count)
+    }
+
+    /// The source in a pose, for what `span` is about.
+    fn read(&self, pose: &PoseInput, span: &Span) -> PoseResult<SourcePose> {
+        let _reading = debug_span!(parent: span, "read", pose = &*pose.name).entered();
         let source = &self.prepared.source;
         let file = if let PoseFrom::File(file) = &pose.from { Some(file.as_path()) } else { None };
         let mesh = read_pose(source, &self.prepared.formats, &pose.from)

@@ -4,17 +4,18 @@ use std::sync::{Mutex, OnceLock, PoisonError};
 
 use mimesh_core::{
     Figures, Result,
-    stage::{BindInput, BoundTransfer, Proposal, Transfer, TransferPair, TriangleMap},
+    stage::{BindInput, BoundTransfer, Proposal, Transfer, TransferPair, TriangleMap, Work},
 };
 use mimesh_document::{Diagnostic, Diagnostics, diagnostic};
 use mimesh_markers::IntoDiagnostic;
+use tracing::{Span, info_span};
 
 use crate::{
     cache::{Cache, PoseCache, TransferSummary},
     handedness,
     input::{Prepared, read_evenly_spaced},
     plan::CachedRun,
-    progress::Progress,
+    progress::{Progress, Rising},
     propose::propose,
     report::{Clock, StageReport},
 };
@@ -87,7 +88,10 @@ impl<'a> Stages<'a> {
                 self.progress.stage(&format!("landmarks ({name})"));
                 let clock = Clock::start();
                 let Prepared { source, target, clicks, allow_commands, .. } = self.prepared;
-                let proposal = propose(landmarks, [source, target], clicks, *allow_commands);
+                let rising = Rising::default();
+                let report = |share| rising.pass(share, |share| self.progress.done(share));
+                let proposal = info_span!("landmarks", "type" = name)
+                    .in_scope(|| propose(landmarks, [source, target], clicks, *allow_commands, Work::new(&report)));
                 let proposal = proposal.map_err(|failure| doing(failure, format!("landmarks ({name})")));
                 let proposal =
                     proposal.map_err(|failure| with_remedy(failure, GIVE_MARKERS, "give a file of `markers`"))?;
@@ -131,8 +135,9 @@ impl<'a> Stages<'a> {
         if let Some(map) = self.cached_map() {
             return Ok(Some(map));
         }
-        let map = self.stage("correspondence", correspondence.typetag_name(), || {
-            let mut map = correspondence.correspond(self.pair())?;
+        let name = correspondence.typetag_name();
+        let map = self.stage("correspondence", name, info_span!("correspondence", "type" = name), |work| {
+            let mut map = correspondence.correspond_watched(self.pair(), work)?;
             map.check(self.pair())?;
             map.figures.set("orphans", map.orphan_count());
             let axis = self.prepared.target.mirror_axis();
@@ -163,8 +168,9 @@ impl<'a> Stages<'a> {
         let Prepared { source, formats, poses, .. } = self.prepared;
         let learned = read_evenly_spaced(source, formats, poses, self.transfer.poses_wanted());
         let learned = learned.map_err(IntoDiagnostic::into_diagnostic)?;
-        let bound = self.stage("transfer", self.transfer.typetag_name(), || {
-            let bound = self.transfer.bind(BindInput { pair: self.pair(), map, poses: &learned })?;
+        let name = self.transfer.typetag_name();
+        let bound = self.stage("transfer", name, info_span!("transfer", "type" = name), |work| {
+            let bound = self.transfer.bind(BindInput { pair: self.pair(), map, poses: &learned, work })?;
             let figures = bound.figures();
             Ok((bound, figures))
         })?;
@@ -205,16 +211,19 @@ impl<'a> Stages<'a> {
         self.reports.into_inner().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Runs a stage, notes its time and figures, and names it in its error.
+    /// Runs a stage in its span, notes its time and figures, and names it in its error.
     fn stage<T>(
         &self,
         stage: &'static str,
         name: &str,
-        work: impl FnOnce() -> Result<(T, Figures)>,
+        span: Span,
+        work: impl FnOnce(Work<'_>) -> Result<(T, Figures)>,
     ) -> diagnostic::Result<T> {
         self.progress.stage(&format!("{stage} ({name})"));
+        let rising = Rising::default();
+        let report = |share| rising.pass(share, |share| self.progress.done(share));
         let clock = Clock::start();
-        match work() {
+        match span.in_scope(|| work(Work::new(&report))) {
             Ok((result, figures)) => {
                 self.report(clock.stop(stage, name, figures));
                 Ok(result)

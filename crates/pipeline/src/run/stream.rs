@@ -3,6 +3,7 @@
 use std::sync::Mutex;
 
 use mimesh_document::{Diagnostic, Kind, diagnostic};
+use tracing::{Span, debug_span};
 
 use super::{
     files::{PosesFile, warnings_of_pose_files},
@@ -41,8 +42,10 @@ impl Stream {
         let poses = &runner.prepared.poses;
         let (at_once, in_order) = batches(runner.stages)?;
         let schedule = Schedule { count: poses.len(), batch: at_once, in_order };
-        schedule.run(&PoseSteps { runner, motion: Mutex::new(None) }, |i, posed, output| {
+        let steps = PoseSteps { runner, motion: Mutex::new(None), span: Span::current() };
+        schedule.run(&steps, |i, posed, output| {
             let pose = &poses[i];
+            let _collecting = debug_span!(parent: &steps.span, "collect").entered();
             progress.pose_done();
             match (posed, output) {
                 (Ok(posed), Ok(output)) => {

@@ -43,11 +43,12 @@ use mimesh_core::{
     plugin::check_ranges,
     register,
     spatial::Orientation,
-    stage::{Correspondence, TransferPair, TriangleMap},
+    stage::{Correspondence, TransferPair, TriangleMap, Work},
 };
 use nalgebra::Point3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use tracing::{Span, debug_span};
 
 pub use self::weighting::Weighting;
 use self::{
@@ -58,6 +59,10 @@ use self::{
 use crate::{facing::Facing, sides::keep_sides};
 
 register!(Correspondence: NonrigidFit);
+
+/// What goes before the steps and what comes after them cost, in steps.
+const SETTING_UP: f64 = 2.0;
+const PAIRING: f64 = 0.5;
 
 /// Deforms the target onto the source, guided by markers and closest points, and pairs triangles that then lie together
 /// (Sumner and Popović 2004; Zhou et al. 2010, section 2.2).
@@ -120,21 +125,31 @@ impl Default for NonrigidFit {
 #[typetag::serde(name = "nonrigid_fit")]
 impl Correspondence for NonrigidFit {
     fn correspond(&self, pair: TransferPair<'_>) -> Result<TriangleMap> {
+        self.correspond_watched(pair, Work::UNWATCHED)
+    }
+
+    fn correspond_watched(&self, pair: TransferPair<'_>, work: Work<'_>) -> Result<TriangleMap> {
         self.check(pair)?;
+        let [setting_up, fitting, pairing] = work.parts([SETTING_UP, 1.0 + self.steps as f64, PAIRING]);
         let pair = self.linked(pair);
         let (source, target) = (pair.source, pair.target);
         let unit = UnitFrame::new(pair, self.orientation);
         let elements = Elements::new(&unit.target, target);
         // Neither needs the other.
+        let span = Span::current();
         let (facing, system) = rayon::join(
-            || Facing::new(&unit.source, &source.triangles),
-            || elements.system(self.energy_weights(), pair, &unit),
+            || debug_span!(parent: &span, "search tree").in_scope(|| Facing::new(&unit.source, &source.triangles)),
+            || {
+                let span = debug_span!(parent: &span, "system");
+                span.in_scope(|| elements.system(self.energy_weights(), pair, &unit))
+            },
         );
         let (mut facing, system) = (facing?, system?);
         if target.components().count() > 1 {
             facing = facing.with_inner_sides(self.inner_depth);
         }
-        let (fit, mut points, mut figures) = self.fit(pair, &unit, &facing, &elements, system)?;
+        setting_up.done(1.0);
+        let (fit, mut points, mut figures) = self.fit(pair, &unit, &facing, &elements, system, fitting)?;
         let mut valid: Vec<bool> = points.iter().map(Option::is_some).collect();
         for marker in pair.markers {
             marker.target.corners(target).iter().for_each(|&(v, _)| valid[v as usize] = true);
@@ -142,12 +157,14 @@ impl Correspondence for NonrigidFit {
                 points[vertex as usize] = Some(marker.source);
             }
         }
-        let mut triangles = facing.triangles(&fit, &target.triangles, f64::INFINITY, &points);
+        let mut triangles =
+            debug_span!("partners").in_scope(|| facing.triangles(&fit, &target.triangles, f64::INFINITY, &points));
+        pairing.done(0.5);
         for (partner, t) in triangles.iter_mut().zip(&target.triangles) {
             *partner = partner.filter(|_| t.iter().any(|&v| valid[v as usize]));
         }
         let settled = Settled { pair, unit: &unit, facing: &facing, fit: &fit, max_distance: self.max_distance };
-        let moves = settled.moves(&points)?;
+        let moves = debug_span!("patches").in_scope(|| settled.moves(&points))?;
         moves.iter().for_each(|moved| moved.apply(&settled, &mut points, &mut triangles));
         patches::report(&moves, target, &mut figures);
         Ok(TriangleMap { source_triangle_count: source.triangle_count(), triangles, points, figures })
@@ -177,11 +194,13 @@ impl NonrigidFit {
         facing: &Facing,
         elements: &Elements<'_>,
         mut system: System,
+        work: Work<'_>,
     ) -> Result<(Vec<Point3<f64>>, Points, Figures)> {
         let triangles = &pair.target.triangles;
-        let mut fit = system.solve(&[]);
+        let mut fit = debug_span!("solve").in_scope(|| system.solve(&[]));
         let find = |fit: &[Point3<f64>], guesses: &[Option<SurfacePoint>]| {
-            facing.points(fit, &vertex_normals(fit, triangles), self.max_distance, guesses)
+            debug_span!("closest points")
+                .in_scope(|| facing.points(fit, &vertex_normals(fit, triangles), self.max_distance, guesses))
         };
         let place = |point: &SurfacePoint| point.position(pair.source, &unit.source);
         let mut points = Points::new();
@@ -189,8 +208,9 @@ impl NonrigidFit {
             // Vertices move little from step to step.
             points = find(&fit, &points);
             let goals: Vec<_> = points.iter().map(|point| point.as_ref().map(place)).collect();
-            system.add_targets(self.closest_weight(step), &goals)?;
-            fit = system.solve(&goals);
+            debug_span!("factorisation").in_scope(|| system.add_targets(self.closest_weight(step), &goals))?;
+            fit = debug_span!("solve").in_scope(|| system.solve(&goals));
+            work.done((step + 1) as f64 / (self.steps + 1) as f64);
         }
         points = find(&fit, &points);
         keep_sides(pair, &fit, facing, self.max_distance, &mut points);

@@ -10,6 +10,7 @@ use mimesh_core::{
 };
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
+use tracing::{Span, debug_span};
 
 /// A vertex that returns this near to where it started, in diagonals, returns.
 const RETURNED: f64 = 0.02;
@@ -93,8 +94,11 @@ impl<'a> Proxies<'a> {
         let forwards: Vec<Marker> = markers.iter().map(on_proxies).collect();
         let turned = |marker: &Marker| Marker { source: marker.target, target: marker.source, ..marker.clone() };
         let backwards: Vec<Marker> = forwards.iter().map(turned).collect();
-        let (to_source, to_target) =
-            rayon::join(|| self.map(source, target, &forwards), || self.map(target, source, &backwards));
+        let _fits = debug_span!("fits").entered();
+        let span = Span::current();
+        let map =
+            |from, to, markers: &[Marker]| debug_span!(parent: &span, "fit").in_scope(|| self.map(from, to, markers));
+        let (to_source, to_target) = rayon::join(|| map(source, target, &forwards), || map(target, source, &backwards));
         let (to_source, to_target) = (to_source?, to_target?);
         let apart = [returns(source, target, &to_target, &to_source), returns(target, source, &to_source, &to_target)];
         let places = |side: &Side, point: fn(&Marker) -> SurfacePoint| -> Vec<Point3<f64>> {

@@ -35,11 +35,12 @@ use mimesh_core::{
     mesh::{Surface, SurfacePoint},
     plugin::{check_ranges, configured, nested},
     register,
-    stage::{Correspondence, Landmarks, Marker, Proposal, Sampler, Suggestion, TransferPair},
+    stage::{Correspondence, Landmarks, Marker, Proposal, Sampler, Suggestion, TransferPair, Work},
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
+use tracing::{Span, debug_span};
 
 pub use self::matching::Limits;
 use self::{
@@ -101,6 +102,12 @@ impl Default for Extremities {
     }
 }
 
+/// The costs of looking at shapes, and of finding what corresponds.
+const COSTS: [f64; 2] = [1.0, 1.0];
+
+/// The costs of surfaces with fewer triangles, and of fits on them.
+const COSTS_OF_FITS: [f64; 2] = [1.0, 4.0];
+
 /// Fewer limbs, or fewer pairs of points, say too little of how two shapes correspond.
 const MIN_COUNT: usize = 4;
 
@@ -116,15 +123,21 @@ const MIN_VOLUME: f64 = 1e-3;
 #[typetag::serde(name = "extremities")]
 impl Landmarks for Extremities {
     fn propose(&self, pair: TransferPair<'_>) -> Result<Proposal> {
+        self.propose_watched(pair, Work::UNWATCHED)
+    }
+
+    fn propose_watched(&self, pair: TransferPair<'_>, work: Work<'_>) -> Result<Proposal> {
         check_ranges(self)?;
         pair.check_markers()?;
+        let [measuring, finding] = work.parts(COSTS);
         let shapes = self.shapes(pair)?;
+        measuring.done(1.0);
         if are_opposite(&shapes) {
             // The triangles of one side show what is inside, so that normals and fits would tell nothing.
             let target = turned(pair.target);
             let markers: Vec<Marker> = pair.markers.iter().map(turned_marker).collect();
             let pair = TransferPair { target: &target, markers: &markers, ..pair };
-            let mut proposal = self.find(pair, self.shapes(pair)?)?;
+            let mut proposal = self.find(pair, self.shapes(pair)?, finding)?;
             let all = std::iter::once(&mut proposal.pairs).chain(&mut proposal.others).flatten();
             all.for_each(|pair| pair.marker = turned_marker(&pair.marker));
             proposal.figures.warn(
@@ -133,7 +146,7 @@ impl Landmarks for Extremities {
             );
             return Ok(proposal);
         }
-        self.find(pair, shapes)
+        self.find(pair, shapes, finding)
     }
 
     fn suggest(&self, pair: TransferPair<'_>) -> Result<Option<Suggestion>> {
@@ -151,15 +164,21 @@ impl Extremities {
     /// The shapes of source and target.
     fn shapes(&self, pair: TransferPair<'_>) -> Result<[Shape; 2]> {
         let sampler = nested("sampler", &self.sampler, "poisson_disk")?;
-        let shape = |surface| Shape::new(surface, sampler, self.sources, self.min_limb);
+        let span = Span::current();
+        let shape = |surface| {
+            let span = debug_span!(parent: &span, "shape");
+            span.in_scope(|| Shape::new(surface, sampler, self.sources, self.min_limb))
+        };
         let (source, target) = rayon::join(|| shape(pair.source), || shape(pair.target));
         Ok([source?, target?])
     }
 
     /// The proposal for two surfaces whose triangles point the same way.
-    fn find(&self, pair: TransferPair<'_>, [source, target]: [Shape; 2]) -> Result<Proposal> {
+    fn find(&self, pair: TransferPair<'_>, [source, target]: [Shape; 2], work: Work<'_>) -> Result<Proposal> {
         let fit = nested("fit", &self.fit, "nonrigid_fit")?;
-        let proxies = Proxies::new(pair, self.fit_vertices, fit)?;
+        let [simplifying, fitting] = work.parts(COSTS_OF_FITS);
+        let proxies = debug_span!("proxies").in_scope(|| Proxies::new(pair, self.fit_vertices, fit))?;
+        simplifying.done(1.0);
         let wanted = Wanted {
             in_limb: self.points_per_limb,
             max_distance: self.max_distance,
@@ -168,17 +187,20 @@ impl Extremities {
         };
         let reader = Reader { wanted, pair, source: &source, target: &target, proxies: &proxies };
         let given = pair.markers.len();
-        for (limits, least) in [(self.limits, 0.0), (self.limits.of_other_poses(), MIN_OTHER_POSE)] {
+        // The first limits mostly do.
+        let [first, second, last] = fitting.parts([0.9, 0.05, 0.05]);
+        for (limits, least, work) in [(self.limits, 0.0, first), (self.limits.of_other_poses(), MIN_OTHER_POSE, second)]
+        {
             let mut matches = matches(&source, &target, limits);
             matches.retain(|found| found.pairs.len() >= MIN_COUNT);
-            let readings = reader.readings(&matches)?;
+            let readings = reader.readings(&matches, work)?;
             let is_enough = |best: &Reading<'_>| best.pairs.len() >= given + MIN_COUNT && best.agreement() >= least;
             if readings.first().is_some_and(is_enough) {
                 return Ok(proposal(&source, &target, &matches, readings, given));
             }
         }
         let alike = alike(&source, &target);
-        let readings = reader.readings(&alike)?;
+        let readings = reader.readings(&alike, last)?;
         if readings.first().is_some_and(|best| best.pairs.len() >= given + MIN_COUNT && best.agreement() >= MIN_ALIKE) {
             return Ok(proposal(&source, &target, &alike, readings, given));
         }

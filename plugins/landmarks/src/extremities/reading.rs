@@ -2,7 +2,7 @@
 
 use mimesh_core::{
     Result,
-    stage::{Marker, ProposedPair, TransferPair},
+    stage::{Marker, ProposedPair, TransferPair, Work},
 };
 
 use super::{
@@ -77,12 +77,15 @@ impl<'a> Reader<'a> {
     /// # Errors
     ///
     /// Those of points between limbs.
-    pub fn readings(self, matches: &'a [Match]) -> Result<Vec<Reading<'a>>> {
+    pub fn readings(self, matches: &'a [Match], work: Work<'_>) -> Result<Vec<Reading<'a>>> {
         let mut readings: Vec<_> = matches.iter().take(1 + OTHERS).map(|found| self.read(found)).collect();
+        // A sure lead mostly stays one.
+        let expected = if lead(matches) >= SURE_LEAD { 1 } else { readings.len() };
         for k in 0..readings.len() {
             let is_sure = k > 0 && readings[0].agreement() >= AGREEMENTS[0] && lead(matches) >= SURE_LEAD;
             if !is_sure {
                 readings[k].comparison = self.compare(&readings[k].pairs);
+                work.done((k + 1) as f64 / expected.max(k + 2) as f64);
             }
         }
         let worth = |reading: &Reading<'_>| reading.agreement() - reading.found.score();

@@ -29,12 +29,13 @@ use mimesh_core::{
     spatial::{Orientation, Similarity},
     stage::{
         BindInput, BoundTransfer, Clusterer, Deformer, HandleWeights, Marker, Proximity, Skin, Transfer, TransferPair,
-        Transferred, Weights,
+        Transferred, Weights, Work,
     },
 };
 use nalgebra::Point3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use tracing::debug_span;
 
 use integral::Integral;
 use residual::Residual;
@@ -45,6 +46,15 @@ register!(Transfer: Biharmonic);
 
 /// Fewer handles fix no place in space.
 const MIN_MARKERS: usize = 3;
+
+/// The cost of weights grows with this power of the number of vertices.
+const GROWTH: f64 = 1.2;
+
+/// The part of weights that goes to binding.
+const BINDING: f64 = 0.1;
+
+/// What comes after weights costs, in weights of the source.
+const REST: f64 = 0.1;
 
 /// Moves the target by a few handles, whose maps are found on the source (Yang et al. 2018).
 ///
@@ -132,7 +142,11 @@ impl Transfer for Biharmonic {
         self.check(pair)?;
         let (weights, clusterer, deformer) = self.stages()?;
         let handles: Vec<usize> = (0..pair.markers.len()).collect();
-        let solve = |side: &str, surface: &Surface, points: Vec<SurfacePoint>, proximity| {
+        // Weights take nearly all of the time.
+        let cost = |surface: &Surface| (surface.vertex_count() as f64).powf(GROWTH);
+        let [on_source, on_target, rest] =
+            input.work.parts([cost(pair.source), cost(pair.target), REST * cost(pair.source)]);
+        let solve = |side: &str, work: Work<'_>, surface: &Surface, points: Vec<SurfacePoint>, proximity| {
             let named = |error: Error| match error {
                 Error::Data { message, hint } => {
                     let which = if message.starts_with("point") { " (markers, counted from 0)" } else { "" };
@@ -140,17 +154,27 @@ impl Transfer for Biharmonic {
                 }
                 other => other,
             };
-            weights.bind(surface, &points, proximity).and_then(|bound| bound.solve(&handles)).map_err(named)
+            let span = debug_span!("weights", "type" = weights.typetag_name(), side);
+            span.in_scope(|| {
+                let bound = weights.bind(surface, &points, proximity)?;
+                work.done(BINDING);
+                bound.solve_watched(&handles, work.part(BINDING, 1.0))
+            })
+            .map_err(named)
         };
         let links = match &self.source_proximity {
             Some(proximity) if pair.source.components().count() > 1 => Some(proximity.proximity(pair.source)?),
             _ => None,
         };
-        let on_source = pair.markers.iter().map(|m| m.source).collect();
-        let of_source = solve("source", pair.source, on_source, links.as_ref())?;
-        let of_target = solve("target", pair.target, pair.markers.iter().map(|m| m.target).collect(), pair.proximity)?;
-        let regions = clusterer.bind(pair.source, input.poses)?.cluster(&of_source.matrix)?;
-        let skin = deformer.bind(pair.source)?.skin(&of_source, &regions)?;
+        let points = pair.markers.iter().map(|m| m.source).collect();
+        let of_source = solve("source", on_source, pair.source, points, links.as_ref())?;
+        let points = pair.markers.iter().map(|m| m.target).collect();
+        let of_target = solve("target", on_target, pair.target, points, pair.proximity)?;
+        let regions = debug_span!("clusterer", "type" = clusterer.typetag_name())
+            .in_scope(|| clusterer.bind(pair.source, input.poses)?.cluster(&of_source.matrix))?;
+        rest.done(0.5);
+        let skin = debug_span!("deformer", "type" = deformer.typetag_name())
+            .in_scope(|| deformer.bind(pair.source)?.skin(&of_source, &regions))?;
 
         let target_from_source = match self.frame {
             Frame::Source => Similarity::IDENTITY,

@@ -7,6 +7,9 @@ use mimesh_core::{
 };
 use nalgebra::{Matrix3, Point3, Vector3};
 
+/// The part of binding that goes to the other transfer.
+const PRIOR: f64 = 0.9;
+
 /// E5 = Σ βᵢ ρᵢ(‖x̃ᵢ − bᵢ‖), b being the other transfer's result, βᵢ = w5 Aᵢ / D² with the vertex's area and the diagonal.
 ///
 /// ρ(r) = r² / (1 + r²/σ²) (Geman and McClure 1985), since a result that is far from what gradients and gaps say is no measure
@@ -33,7 +36,10 @@ impl Prior {
         is_orphan: impl Fn(u32) -> bool,
     ) -> Result<Self> {
         let target = input.pair.target;
-        let transfer = transfer.bind(input)?;
+        let span = tracing::debug_span!("initial", "type" = transfer.typetag_name());
+        // What binds after it takes little.
+        let input = BindInput { work: input.work.part(0.0, PRIOR), ..input };
+        let transfer = span.in_scope(|| transfer.bind(input))?;
         let mass = voronoi_mass(&target.positions, &target.triangles);
         let diagonal = target.diagonal();
         let nearness = |v: usize| if is_orphan(v as u32) { 0.0 } else { (radius * diagonal).powi(-2) };

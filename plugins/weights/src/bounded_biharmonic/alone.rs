@@ -1,6 +1,8 @@
 //! Each handle by itself: which method, and what becomes of one that fails.
 
+use mimesh_core::stage::{Tally, Work};
 use rayon::prelude::*;
+use tracing::{Span, debug_span};
 
 use super::{
     Bound, BoundedBiharmonic, Part, Solved, Solver, Task,
@@ -82,14 +84,23 @@ impl<'a> Supports<'a> {
 
 impl Bound {
     /// Solves for each handle of each task alone, in parallel.
-    pub(super) fn solve_alone(&self, tasks: &[&Task<'_>]) -> Vec<Vec<Solved>> {
-        let mut in_lanes = self.in_lanes(tasks);
+    pub(super) fn solve_alone(&self, tasks: &[&Task<'_>], work: Work<'_>) -> Vec<Vec<Solved>> {
+        let tally = work.tally(tasks.iter().map(|task| task.handles.len()).sum());
+        let span = Span::current();
+        let mut in_lanes = debug_span!("lanes").in_scope(|| self.in_lanes(tasks));
+        tally.add(tasks.iter().filter(|task| task.lanes.is_some()).map(|task| task.handles.len()).sum());
         let of_task = |task: &&Task<'_>| match (&task.supports, task.lanes) {
-            (Some(supports), _) => self.by_active_sets(task, supports),
+            (Some(supports), _) => self.by_active_sets(task, supports, &tally, &span),
             (None, Some(_)) => vec![],
             (None, None) => {
                 let handles = (0..task.handles.len()).into_par_iter();
-                handles.map(|k| self.by_interior_point(task, k, self.settings.max_iterations)).collect()
+                let by_interior_point = |k: usize| {
+                    let span = debug_span!(parent: &span, "handle");
+                    let solved = span.in_scope(|| self.by_interior_point(task, k, self.settings.max_iterations));
+                    tally.add(1);
+                    solved
+                };
+                handles.map(by_interior_point).collect()
             }
         };
         let mut solved: Vec<Vec<Solved>> = tasks.par_iter().map(of_task).collect();
@@ -135,16 +146,19 @@ impl Bound {
         }
     }
 
-    fn by_active_sets(&self, task: &Task<'_>, supports: &Supports<'_>) -> Vec<Solved> {
+    fn by_active_sets(&self, task: &Task<'_>, supports: &Supports<'_>, tally: &Tally<'_>, span: &Span) -> Vec<Solved> {
         let program = SupportProgram { level: supports.level, held: &supports.held };
         let max_steps = self.settings.max_iterations.min(MAX_STEPS);
         let minimise = |k: usize| {
-            let start = supports.coarse.guess(supports.level, &supports.handles, k);
-            program.minimise(supports.handles[k], start, self.settings.tolerance, max_steps)
+            let _handle = debug_span!(parent: span, "handle").entered();
+            let start = debug_span!("guess").in_scope(|| supports.coarse.guess(supports.level, &supports.handles, k));
+            let found = program.minimise(supports.handles[k], start, self.settings.tolerance, max_steps);
+            tally.add(1);
+            found
         };
         let found: Vec<_> = (0..task.handles.len()).into_par_iter().map(minimise).collect();
         let weights: Vec<_> = found.iter().map(|found| supports.level.of_unknowns(&found.x)).collect();
-        let bounds = task.program.certify(&weights);
+        let bounds = debug_span!(parent: span, "certificate").in_scope(|| task.program.certify(&weights));
         let finish = |k: usize, found: Support, x: Vec<f64>, (energy, gap): (f64, f64)| {
             let relative_gap = gap / f64::max(energy, f64::MIN_POSITIVE);
             let is_solved = found.converged && relative_gap <= SUSPECT_GAP.max(self.settings.tolerance);

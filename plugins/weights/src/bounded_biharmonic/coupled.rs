@@ -5,7 +5,7 @@
 //! preconditioned by m^(−½) Q m^(−½) + (Σₕ Dₕ⁻¹)⁻¹, where m is about the number of handles that are free at a vertex: 20 to
 //! 300 steps, each a solve a handle.
 
-use mimesh_core::{Result, linalg::Cholesky};
+use mimesh_core::{Result, linalg::Cholesky, stage::Work};
 use rayon::prelude::*;
 
 use super::qp::{BoxProgram, MAX_STALLED_STEPS, MAX_STEP_TO_BOUND};
@@ -35,7 +35,13 @@ struct Iterate {
 impl BoxProgram<'_> {
     /// Minimises the sum of energies from `starts`, one a handle, whose held unknowns have the values they keep, until the gap
     /// is at most `tolerance` × the sum or there is no more progress; the caller looks at the gap.
-    pub fn minimise_coupled(&self, starts: &[Vec<f64>], tolerance: f64, max_iterations: usize) -> Coupled {
+    pub fn minimise_coupled(
+        &self,
+        starts: &[Vec<f64>],
+        tolerance: f64,
+        max_iterations: usize,
+        work: Work<'_>,
+    ) -> Coupled {
         let (n, count) = (starts[0].len(), starts.len());
         let mut at = Iterate { x: starts.to_vec(), z: vec![vec![0.0; n]; count] };
         let least = 0.3 / count as f64;
@@ -49,6 +55,7 @@ impl BoxProgram<'_> {
         let mut factors = vec![self.factored.clone(); count];
         let mut y = vec![0.0; n];
         let mut stalled = 0;
+        let first = best.relative_gap;
         while best.relative_gap > tolerance && best.iterations + stalled < max_iterations && stalled < MAX_STALLED_STEPS
         {
             let refactored = factors.par_iter_mut().zip(&at.x).zip(&at.z).map(|((factor, x), z)| {
@@ -70,6 +77,8 @@ impl BoxProgram<'_> {
             if found.relative_gap < best.relative_gap {
                 best = Coupled { iterations: best.iterations + stalled, ..found };
                 stalled = 0;
+                // The gap falls by about the same factor a step.
+                work.done((first / best.relative_gap).ln() / (first / tolerance).ln());
             }
         }
         best

@@ -39,12 +39,13 @@ use mimesh_core::{
     mesh::{Surface, SurfacePoint},
     plugin::check_ranges,
     register,
-    stage::{BoundWeights, HandlePoints, HandleWeights, ProximityGraph, Weights},
+    stage::{BoundWeights, HandlePoints, HandleWeights, ProximityGraph, Weights, Work},
 };
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use tracing::{Span, debug_span};
 
 use crate::{bilaplacian::Bilaplacian, domain::Domain};
 use alone::{Method, Supports};
@@ -54,6 +55,10 @@ use level::Level;
 use qp::BoxProgram;
 
 register!(Weights: BoundedBiharmonic);
+
+/// What goes before the handles and what comes after them cost, in all handles.
+const PREPARING: f64 = 0.1;
+const FINISHING: f64 = 0.05;
 
 /// The smoothest weights between 0 and 1: bounded biharmonic weights (Jacobson et al. 2011; Yang et al. 2018, eq. 1).
 #[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
@@ -231,14 +236,18 @@ impl Task<'_> {
 
 impl BoundWeights for Bound {
     fn solve(&self, handles: &[usize]) -> Result<HandleWeights> {
-        self.solve_all(&[handles]).pop().expect("weights for each choice")
+        self.solve_watched(handles, Work::UNWATCHED)
+    }
+
+    fn solve_watched(&self, handles: &[usize], work: Work<'_>) -> Result<HandleWeights> {
+        self.solve_together(&[handles], work).pop().expect("weights for each choice")
     }
 
     fn solve_all(&self, choices: &[&[usize]]) -> Vec<Result<HandleWeights>> {
         // Handles of several choices fill lanes. Factors of large groups, one a choice, would only fill memory.
         let fill_lanes = self.parts.iter().flatten().all(|part| part.lanes.is_some());
         let together = if fill_lanes { choices.len().max(1) } else { 1 };
-        choices.par_chunks(together).flat_map_iter(|some| self.solve_together(some)).collect()
+        choices.par_chunks(together).flat_map_iter(|some| self.solve_together(some, Work::UNWATCHED)).collect()
     }
 
     fn figures(&self) -> Figures {
@@ -248,18 +257,23 @@ impl BoundWeights for Bound {
 
 impl Bound {
     /// Solves for several choices of handles.
-    fn solve_together(&self, choices: &[&[usize]]) -> Vec<Result<HandleWeights>> {
-        let choices: Vec<Result<Choice<'_>>> = choices.par_iter().map(|handles| self.choice(handles)).collect();
+    fn solve_together(&self, choices: &[&[usize]], work: Work<'_>) -> Vec<Result<HandleWeights>> {
+        let span = Span::current();
+        let choice = |handles: &&[usize]| debug_span!(parent: &span, "supports").in_scope(|| self.choice(handles));
+        let choices: Vec<Result<Choice<'_>>> = choices.par_iter().map(choice).collect();
+        let [preparing, solving, finishing] = work.parts([PREPARING, 1.0, FINISHING]);
+        preparing.done(1.0);
         let sound = || choices.iter().flatten();
         let mut solved = match self.settings.normalize {
-            Normalize::Exact => sound().map(|choice| self.solve_coupled(&choice.tasks)).collect(),
+            Normalize::Exact => sound().map(|choice| self.solve_coupled(&choice.tasks, solving)).collect(),
             Normalize::Rows | Normalize::None => {
                 let tasks: Vec<&Task<'_>> = sound().flat_map(|choice| &choice.tasks).collect();
-                let mut each = self.solve_alone(&tasks).into_iter();
+                let mut each = self.solve_alone(&tasks, solving).into_iter();
                 sound().map(|choice| each.by_ref().take(choice.tasks.len()).flatten().collect()).collect::<Vec<_>>()
             }
         }
         .into_iter();
+        finishing.done(0.0);
         let weights = |choice: Result<Choice<'_>>| self.weights(choice?, &solved.next().unwrap_or_default());
         choices.into_iter().map(weights).collect()
     }
@@ -335,11 +349,12 @@ impl Bound {
     }
 
     /// Solves for all handles of a group together, whose weights then sum to 1.
-    fn solve_coupled(&self, tasks: &[Task<'_>]) -> Vec<Solved> {
-        let solve = |task: &Task<'_>| {
+    fn solve_coupled(&self, tasks: &[Task<'_>], work: Work<'_>) -> Vec<Solved> {
+        let solve = |(number, task): (usize, &Task<'_>)| {
+            let work = work.part(number as f64 / tasks.len() as f64, (number + 1) as f64 / tasks.len() as f64);
             let starts = self.all_unbounded(task);
             let Coupled { x, energies, relative_gap, iterations } =
-                task.program.minimise_coupled(&starts, self.settings.tolerance, self.settings.max_iterations);
+                task.program.minimise_coupled(&starts, self.settings.tolerance, self.settings.max_iterations, work);
             let is_solved = relative_gap <= self.settings.tolerance;
             let each = x.into_iter().zip(energies).zip(&task.handles);
             let solved = |((x, energy), &handle)| Solved {
@@ -354,7 +369,7 @@ impl Bound {
             };
             each.map(solved).collect::<Vec<_>>()
         };
-        tasks.iter().flat_map(solve).collect()
+        tasks.iter().enumerate().flat_map(solve).collect()
     }
 
     /// The weights without bounds of all handles of a task.
