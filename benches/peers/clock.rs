@@ -1,0 +1,35 @@
+use std::{fs, time::Instant};
+
+use cpu_time::ProcessTime;
+use serde_json::{Map, Value, json};
+
+/// Measures the phases of a job.
+#[derive(Default)]
+pub struct Clock {
+    phases: Map<String, Value>,
+    resident: Option<u64>,
+}
+
+impl Clock {
+    /// Runs a phase and notes its seconds: CPU time of all threads, and wall time.
+    pub fn phase<T>(&mut self, name: &str, run: impl FnOnce() -> T) -> T {
+        self.resident = self.resident.or_else(resident);
+        let (cpu, wall) = (ProcessTime::now(), Instant::now());
+        let result = run();
+        let phase = json!({ "cpu": cpu.elapsed().as_secs_f64(), "wall": wall.elapsed().as_secs_f64() });
+        self.phases.insert(name.to_owned(), phase);
+        result
+    }
+
+    /// What was measured. `resident` is the memory before the first phase in bytes, where the system tells.
+    pub fn report(self, about: Value) -> Value {
+        json!({ "phases": self.phases, "resident": self.resident, "about": about })
+    }
+}
+
+/// The memory that the process has, bytes.
+fn resident() -> Option<u64> {
+    let status = fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"))?;
+    Some(1024 * line.split_whitespace().next()?.parse::<u64>().ok()?)
+}
