@@ -3,7 +3,10 @@
 mod support;
 
 use divan::{Bencher, counter::BytesCount};
-use mimesh::core::stage::{BytesInput, Format, MeshWriter, Selection};
+use mimesh::core::{
+    stage::{BytesInput, Format, MeshWriter, Selection},
+    testkit::memory_file::MemoryFile,
+};
 use support::{Animal, FACES, Shape, animal, default_stage};
 
 const READ: [&str; 6] = ["obj", "ply", "off", "stl", "glb", "gltf"];
@@ -20,11 +23,13 @@ fn file(format: &dyn Format, animal: &Animal) -> Vec<u8> {
     match format.writer().expect("a format that writes") {
         MeshWriter::Pose(writer) => writer.write(mesh, &mesh.positions, &mut out).expect("a file"),
         MeshWriter::Sequence(format) => {
-            let mut writer = format.start(mesh).expect("a file");
+            let file = MemoryFile::default();
+            let mut writer = format.start(mesh, animal.mesh.poses.len(), Box::new(file.clone())).expect("a file");
             for pose in &animal.mesh.poses {
-                writer.add(&pose.name, None, &pose.positions.get()).expect("a pose");
+                writer.add(&pose.name, None, &pose.positions.get().expect("held")).expect("a pose");
             }
-            writer.finish(&mut out).expect("a file");
+            writer.finish().expect("a file");
+            out = file.bytes();
         }
     }
     out

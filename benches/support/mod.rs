@@ -14,7 +14,7 @@ use mimesh::core::{
     plugin::{StageKind, configured},
     stage::{
         BindInput, Correspondence, Generator, Marker, Proximity, ProximityGraph, Sampler, Transfer, TransferPair,
-        TriangleMap,
+        TriangleMap, Work,
     },
 };
 use nalgebra::Point3;
@@ -75,7 +75,7 @@ pub struct Animal {
 impl Animal {
     /// Positions of the surface's vertices in pose `k`.
     pub fn pose(&self, k: usize) -> Vec<Point3<f64>> {
-        self.surface.from_mesh(&self.mesh.poses[k].positions.get()).expect("a pose of the mesh")
+        self.surface.from_mesh(&self.mesh.poses[k].positions.get().expect("held")).expect("a pose of the mesh")
     }
 
     /// Positions of the surface's vertices in all poses.
@@ -153,7 +153,7 @@ impl Pair {
     /// What a transfer is bound to, along the map of `nonrigid_fit`.
     pub fn bind_input<'a>(&'a self, transfer: &dyn Transfer, markers: &'a [Marker]) -> BindInput<'a> {
         let poses = &self.poses[..transfer.poses_wanted().min(self.poses.len())];
-        BindInput { pair: self.with_markers(markers), map: Some(self.map()), poses }
+        BindInput { pair: self.with_markers(markers), map: Some(self.map()), poses, work: Work::UNWATCHED }
     }
 
     /// The map of `nonrigid_fit`; made once.
