@@ -63,7 +63,7 @@ impl Folder {
         let vertices = handles.iter().map(|point| point.corners(surface)[0].0.to_le_bytes());
         write_numbers(&self.0.join("handles"), vertices)?;
         for (k, pose) in made.poses.iter().enumerate() {
-            write_points(&self.0.join(format!("pose-{k}")), &surface.from_mesh(&pose.positions.get())?)?;
+            write_points(&self.0.join(format!("pose-{k}")), &surface.from_mesh(&pose.positions.get()?)?)?;
         }
         let landmarks = made.landmarks.iter().filter_map(|landmark| {
             let (triangle, barycentric) = on_triangle(surface, surface.point(landmark.point)?)?;

@@ -8,7 +8,7 @@ use mimesh::core::{
     spatial::{ClosestPoint, EdgePaths},
     stage::{
         BindInput, BytesInput, Clusterer, Correspondence, Deformer, Format, Generator, MeshWriter, Proximity,
-        ProximityGraph, Sampler, Selection, Transfer, TransferPair, TriangleMap, Weights,
+        ProximityGraph, Sampler, Selection, Transfer, TransferPair, TriangleMap, Weights, Work,
     },
 };
 use nalgebra::Point3;
@@ -142,7 +142,7 @@ impl Job {
                 let pair =
                     TransferPair { source: &source, target: &target, markers: &markers, proximity: graph.as_ref() };
                 let wanted = &poses[..transfer.poses_wanted().min(poses.len())];
-                let input = BindInput { pair, map: Some(&map), poses: wanted };
+                let input = BindInput { pair, map: Some(&map), poses: wanted, work: Work::UNWATCHED };
                 let bound = clock.phase("bind", || transfer.bind(input))?;
                 // As many as a run takes at once, so that no lane is idle.
                 let count = bound.at_once().max(poses.len());
