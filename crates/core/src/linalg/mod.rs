@@ -1,7 +1,7 @@
 //! Sparse symmetric positive definite systems: assembled once, factored when values change, solved often.
 //!
 //! Matrices are `nalgebra_sparse` CSC matrices that hold the lower triangle; faer factors them, or several at once
-//! [in lanes](LaneCholesky). Everything here runs on the calling thread: callers spread right-hand sides, poses and handles over
+//! [in lanes](LaneCholesky). Large Laplacians are solved [on several grids](Multigrid). Everything here runs on the calling thread: callers spread right-hand sides, poses and handles over
 //! threads themselves, which measures faster than threads inside a factorisation. Only [`Blocks`] and
 //! [`FixedUnknowns::for_refactoring`] use the threads there are.
 
@@ -11,6 +11,7 @@ mod cholesky;
 mod fixed;
 mod lanes;
 mod multifrontal;
+mod multigrid;
 mod symbolic;
 
 pub use assembly::Assembly;
@@ -18,3 +19,4 @@ pub use blocks::{Blocks, OuterSum};
 pub use cholesky::Cholesky;
 pub use fixed::FixedUnknowns;
 pub use lanes::{LaneCholesky, LanePattern};
+pub use multigrid::{Grids, Multigrid};

@@ -32,7 +32,7 @@ pub use polygons::Polygons;
 pub use pose::{ClipTime, ComputePoses, Pose, Positions};
 pub use seams::Seams;
 pub use sequence::{Animation, Landmark, MeshSequence};
-pub use simplify::simplify;
+pub use simplify::{simplify, simplify_keeping};
 pub use statistics::Statistics;
 pub use strays::Stray;
 pub use surface::Surface;

@@ -1,9 +1,6 @@
 //! The same shape with fewer triangles.
 
-use std::{
-    cmp::Reverse,
-    collections::{BTreeSet, BinaryHeap, HashMap},
-};
+use std::{cmp::Reverse, collections::BinaryHeap};
 
 use nalgebra::{Matrix3, Point3, Vector3};
 
@@ -35,16 +32,29 @@ const MIN_RELATIVE_HEIGHT: f64 = 0.05;
 ///
 /// Those of [`Surface::from_triangles`].
 pub fn simplify(surface: &Surface, vertices: usize) -> Result<Surface> {
+    Ok(simplify_keeping(surface, vertices, &[])?.0)
+}
+
+/// Like [`simplify`], where the vertices `kept` stay in their places. Gives the numbers that they have afterwards, too.
+///
+/// Components keep the order of their first vertices.
+///
+/// # Errors
+///
+/// Those of [`Surface::from_triangles`].
+pub fn simplify_keeping(surface: &Surface, vertices: usize, kept: &[u32]) -> Result<(Surface, Vec<u32>)> {
     let (low, high) = bounding_box(&surface.positions);
     let (centre, diagonal) = (nalgebra::center(&low, &high), (high - low).norm());
     if surface.vertex_count() <= vertices || diagonal <= 0.0 || !diagonal.is_finite() {
-        return Surface::from_triangles(surface.positions.clone(), surface.triangles.clone());
+        return Ok((Surface::from_triangles(surface.positions.clone(), surface.triangles.clone())?, kept.to_vec()));
     }
     let unit = surface.positions.iter().map(|p| Point3::from((p - centre) / diagonal)).collect();
-    let mut mesh = Collapsing::new(unit, surface.triangles.clone());
-    let mut queue = BinaryHeap::new();
-    let edges: BTreeSet<[u32; 2]> = surface.triangles.iter().flat_map(sides).collect();
-    edges.into_iter().for_each(|edge| queue.extend(mesh.candidate(edge).map(Reverse)));
+    let mut mesh = Collapsing::new(unit, surface.triangles.clone(), kept);
+    let mut edges: Vec<[u32; 2]> = surface.triangles.iter().flat_map(sides).collect();
+    edges.sort_unstable();
+    edges.dedup();
+    let mut queue: BinaryHeap<_> = edges.iter().filter_map(|&edge| mesh.candidate(edge).map(Reverse)).collect();
+    drop(edges);
     let mut left = surface.vertex_count();
     while left > vertices
         && let Some(Reverse(candidate)) = queue.pop()
@@ -58,8 +68,21 @@ pub fn simplify(surface: &Surface, vertices: usize) -> Result<Surface> {
             queue.extend(mesh.candidate([kept.min(other), kept.max(other)]).map(Reverse));
         }
     }
-    let positions = mesh.positions.iter().map(|p| centre + p.coords * diagonal).collect();
-    Surface::from_triangles(positions, mesh.triangles.into_iter().flatten().collect())
+    let triangles: Vec<[u32; 3]> = mesh.triangles.iter().flatten().copied().collect();
+    let mut is_used = vec![false; mesh.positions.len()];
+    triangles.iter().flatten().for_each(|&v| is_used[v as usize] = true);
+    let mut positions: Vec<_> = mesh.positions.iter().map(|p| centre + p.coords * diagonal).collect();
+    let mut numbers = vec![0; kept.len()];
+    let mut number = 0;
+    for (v, stands_for) in mesh.stands_for.iter().enumerate().filter(|(v, _)| is_used[*v]) {
+        if let Some(original) = *stands_for {
+            // Without the rounding of the way to the unit frame and back.
+            positions[v] = surface.positions[original as usize];
+            kept.iter().zip(&mut numbers).filter(|(k, _)| **k == original).for_each(|(_, to)| *to = number);
+        }
+        number += 1;
+    }
+    Ok((Surface::from_triangles(positions, triangles)?, numbers))
 }
 
 /// The sides of a triangle, smaller vertex first.
@@ -139,10 +162,12 @@ struct Collapsing {
     is_boundary: Vec<bool>,
     /// Vertices that stay as they are.
     is_locked: Vec<bool>,
+    /// The vertex that is to stay in its place, and that this one has become.
+    stands_for: Vec<Option<u32>>,
 }
 
 impl Collapsing {
-    fn new(positions: Vec<Point3<f64>>, triangles: Vec<[u32; 3]>) -> Self {
+    fn new(positions: Vec<Point3<f64>>, triangles: Vec<[u32; 3]>, kept: &[u32]) -> Self {
         let n = positions.len();
         let mut mesh = Self {
             around: vec![vec![]; n],
@@ -150,10 +175,12 @@ impl Collapsing {
             changes: vec![0; n],
             is_boundary: vec![false; n],
             is_locked: vec![false; n],
+            stands_for: vec![None; n],
             triangles: vec![],
             positions,
         };
-        let mut on_side: HashMap<[u32; 2], (u32, usize)> = HashMap::new();
+        kept.iter().for_each(|&v| mesh.stands_for[v as usize] = Some(v));
+        let mut on_side: Vec<([u32; 2], u32)> = Vec::with_capacity(3 * triangles.len());
         for (t, corners) in (0u32..).zip(&triangles) {
             let own = mesh.plane(corners);
             let repeats = corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0];
@@ -162,19 +189,21 @@ impl Collapsing {
                 mesh.quadrics[v as usize].add(&own);
                 mesh.is_locked[v as usize] |= repeats;
             }
-            sides(corners).into_iter().for_each(|side| on_side.entry(side).or_insert((t, 0)).1 += 1);
+            on_side.extend(sides(corners).map(|side| (side, t)));
         }
-        // In the order of the sides, so that sums are the same each time.
-        let mut on_side: Vec<_> = on_side.into_iter().collect();
         on_side.sort_unstable();
-        for (side, (t, count)) in on_side {
-            let across = mesh.across(side, &triangles[t as usize]);
-            for v in side.map(|v| v as usize) {
-                mesh.is_locked[v] |= count > 2;
-                if count == 1 {
-                    mesh.is_boundary[v] = true;
-                    mesh.quadrics[v].add(&across);
+        for at_side in on_side.chunk_by(|a, b| a.0 == b.0) {
+            let (side, t) = at_side[0];
+            match at_side.len() {
+                1 => {
+                    let across = mesh.across(side, &triangles[t as usize]);
+                    for v in side.map(|v| v as usize) {
+                        mesh.is_boundary[v] = true;
+                        mesh.quadrics[v].add(&across);
+                    }
                 }
+                2 => {}
+                _ => side.iter().for_each(|&v| mesh.is_locked[v as usize] = true),
             }
         }
         mesh.triangles = triangles.into_iter().map(Some).collect();
@@ -210,15 +239,25 @@ impl Collapsing {
         }
         let mut sum = self.quadrics[a];
         sum.add(&self.quadrics[b]);
+        let kept = match (self.stands_for[a], self.stands_for[b]) {
+            (Some(_), Some(_)) => return None,
+            (Some(_), None) => Some(self.positions[a]),
+            (None, Some(_)) => Some(self.positions[b]),
+            (None, None) => None,
+        };
         let middle = match (self.is_boundary[a], self.is_boundary[b]) {
             (true, false) => self.positions[a],
             (false, true) => self.positions[b],
             _ => nalgebra::center(&self.positions[a], &self.positions[b]),
         };
-        let place = sum.least(&middle);
+        let place = kept.unwrap_or_else(|| sum.least(&middle));
         let length = (self.positions[b] - self.positions[a]).norm_squared();
         let cost = sum.at(&place) + EVENNESS * sum.weight * length;
         let changes = [self.changes[a], self.changes[b]];
+        // A boundary does not leave its place for a vertex that is kept.
+        if kept.is_some() && self.is_boundary[a] != self.is_boundary[b] && place != middle {
+            return None;
+        }
         (cost.is_finite() && (place - middle).norm_squared() <= length).then_some(Candidate {
             cost,
             edge,
@@ -232,9 +271,12 @@ impl Collapsing {
     }
 
     /// The vertices beside `v`, ascending.
-    fn neighbours(&self, v: u32) -> BTreeSet<u32> {
+    fn neighbours(&self, v: u32) -> Vec<u32> {
         let corners = self.around[v as usize].iter().filter_map(|&t| self.triangles[t as usize]).flatten();
-        corners.filter(|&other| other != v).collect()
+        let mut neighbours: Vec<u32> = corners.filter(|&other| other != v).collect();
+        neighbours.sort_unstable();
+        neighbours.dedup();
+        neighbours
     }
 
     /// Whether the collapse keeps topology and triangles sound.
@@ -243,7 +285,8 @@ impl Collapsing {
         let at = |v: u32| self.around[v as usize].iter().filter_map(|&t| self.triangles[t as usize]);
         let shared = at(a).filter(|t| t.contains(&b)).count();
         let expected = if self.is_boundary[a as usize] && self.is_boundary[b as usize] { 1 } else { 2 };
-        let common = self.neighbours(a).intersection(&self.neighbours(b)).count();
+        let beside = self.neighbours(b);
+        let common = self.neighbours(a).iter().filter(|v| beside.binary_search(v).is_ok()).count();
         // The link condition [Dey et al. 1999]: else an edge or a tube would be pinched.
         if shared != expected || common != shared {
             return false;
@@ -287,6 +330,7 @@ impl Collapsing {
         let gone = self.quadrics[b as usize];
         self.quadrics[a as usize].add(&gone);
         self.is_boundary[a as usize] |= self.is_boundary[b as usize];
+        self.stands_for[a as usize] = self.stands_for[a as usize].or(self.stands_for[b as usize]);
         self.positions[a as usize] = candidate.place;
         self.changes[a as usize] += 1;
         self.changes[b as usize] += 1;
@@ -376,6 +420,23 @@ mod tests {
         let odd = Surface::from_triangles(positions, triangles).unwrap();
         let few = simplify(&odd, 5).unwrap();
         check_finite(&few.positions).unwrap();
+    }
+
+    #[test]
+    fn vertices_that_are_kept_stay_in_their_places() {
+        let two = meshes::two_components();
+        for surface in [meshes::icosphere(4), meshes::grid(20, 20), two] {
+            let kept: Vec<u32> = (0..surface.vertex_count() as u32).step_by(29).collect();
+            let (few, numbers) = simplify_keeping(&surface, surface.vertex_count() / 5, &kept).unwrap();
+            assert!(few.vertex_count() < surface.vertex_count() / 2);
+            for (&v, &number) in kept.iter().zip(&numbers) {
+                assert_eq!(surface.positions[v as usize], few.positions[number as usize]);
+            }
+            let mut distinct = numbers.clone();
+            distinct.dedup();
+            assert_eq!(distinct.len(), kept.len(), "each has a vertex of its own, in their order");
+            assert_eq!(few.components().count(), surface.components().count());
+        }
     }
 
     #[test]

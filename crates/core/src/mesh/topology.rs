@@ -1,5 +1,3 @@
-use std::collections::HashMap;
-
 use petgraph::unionfind::UnionFind;
 use serde::{Deserialize, Serialize};
 
@@ -70,17 +68,18 @@ impl Components {
             sets.union(b, c);
             [a, b, c].into_iter().for_each(|v| used[v as usize] = true);
         }
-        let mut numbers = HashMap::new();
+        let mut numbers = vec![u32::MAX; vertex_count];
         let mut sizes = Vec::new();
         let of_vertex = (0..vertex_count as u32)
             .map(|v| {
                 used[v as usize].then(|| {
-                    let number = *numbers.entry(sets.find_mut(v)).or_insert_with(|| {
+                    let number = &mut numbers[sets.find_mut(v) as usize];
+                    if *number == u32::MAX {
+                        *number = sizes.len() as u32;
                         sizes.push(0);
-                        sizes.len() as u32 - 1
-                    });
-                    sizes[number as usize] += 1;
-                    number
+                    }
+                    sizes[*number as usize] += 1;
+                    *number
                 })
             })
             .collect();

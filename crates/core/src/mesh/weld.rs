@@ -28,15 +28,27 @@ pub fn seams(positions: &[Point3<f64>], triangles: &[[u32; 3]], tolerance: f64, 
             ends.iter().for_each(|[a, b]| _ = welded.union(*a, *b));
         }
     }
-    let mut first = HashMap::new();
-    (0..positions.len() as u32).map(|v| *first.entry(welded.find_mut(v)).or_insert(v)).collect()
+    firsts(welded, positions.len())
+}
+
+/// For each of `count` members of sets the first of its set.
+fn firsts(mut sets: UnionFind<u32>, count: usize) -> Vec<u32> {
+    let mut first = vec![u32::MAX; count];
+    let first_of = |v: u32| {
+        let first = &mut first[sets.find_mut(v) as usize];
+        // Members come in ascending order.
+        *first = v.min(*first);
+        *first
+    };
+    (0..count as u32).map(first_of).collect()
 }
 
 /// The pairs of boundary edges that lie at one place and run in opposite directions, as the two pairs of vertices that meet there,
 /// the smaller vertex first; in no order.
 pub fn edges(positions: &[Point3<f64>], triangles: &[[u32; 3]], tolerance: f64) -> Vec<[[u32; 2]; 2]> {
     let boundary = Topology::new(triangles).boundary;
-    let place = if tolerance > 0.0 { near_places(positions, &boundary, tolerance) } else { places(positions) };
+    let place =
+        if tolerance > 0.0 { near_places(positions, &boundary, tolerance) } else { places(positions, &boundary) };
     let mut at: HashMap<[u32; 2], Vec<[u32; 2]>> = HashMap::new();
     for edge in boundary {
         let ends = edge.map(|v| place[v as usize]);
@@ -55,19 +67,29 @@ pub fn edges(positions: &[Point3<f64>], triangles: &[[u32; 3]], tolerance: f64) 
     found
 }
 
-/// For each vertex the first vertex at the same position.
-fn places(positions: &[Point3<f64>]) -> Vec<u32> {
+/// For each vertex of `boundary` the first of these at the same position; others are by themselves.
+fn places(positions: &[Point3<f64>], boundary: &[[u32; 2]]) -> Vec<u32> {
+    let mut place: Vec<u32> = (0..positions.len() as u32).collect();
     let mut first = HashMap::new();
     let key = |p: &Point3<f64>| [p.x, p.y, p.z].map(|x| (x + 0.0).to_bits());
-    positions.iter().enumerate().map(|(v, p)| *first.entry(key(p)).or_insert(v as u32)).collect()
+    for v in vertices_of(boundary) {
+        place[v as usize] = *first.entry(key(&positions[v as usize])).or_insert(v);
+    }
+    place
+}
+
+/// The vertices of `edges`, ascending.
+fn vertices_of(edges: &[[u32; 2]]) -> Vec<u32> {
+    let mut vertices: Vec<u32> = edges.iter().flatten().copied().collect();
+    vertices.sort_unstable();
+    vertices.dedup();
+    vertices
 }
 
 /// For each vertex of `boundary` the first that it is joined to by steps of at most `tolerance`; others are by themselves.
 fn near_places(positions: &[Point3<f64>], boundary: &[[u32; 2]], tolerance: f64) -> Vec<u32> {
     let cell = |v: u32| positions[v as usize].coords.map(|x| (x / tolerance).floor() as i64);
-    let mut vertices: Vec<u32> = boundary.iter().flatten().copied().collect();
-    vertices.sort_unstable();
-    vertices.dedup();
+    let vertices = vertices_of(boundary);
     let mut cells: HashMap<[i64; 3], Vec<u32>> = HashMap::new();
     vertices.iter().for_each(|&v| cells.entry(cell(v).into()).or_default().push(v));
     let mut joined = UnionFind::<u32>::new(positions.len());
@@ -82,8 +104,7 @@ fn near_places(positions: &[Point3<f64>], boundary: &[[u32; 2]], tolerance: f64)
             }
         }
     }
-    let mut first = HashMap::new();
-    (0..positions.len() as u32).map(|v| *first.entry(joined.find_mut(v)).or_insert(v)).collect()
+    firsts(joined, positions.len())
 }
 
 #[cfg(test)]

@@ -23,14 +23,16 @@
 //! - Zhou et al. print the rule for pairs the wrong way round (end of 2.2): here a triangle with a marker or a valid closest
 //!   point has a partner, and one without is an orphan;
 //! - E_R takes at most `link_pairs` vertex pairs a link, and its weight w_R is a setting;
-//! - beside partners of triangles, the map tells the source point under each vertex.
+//! - beside partners of triangles, the map tells the source point under each vertex;
+//! - a large target is fitted by a simplified one, which it then follows (`proxy`).
 //!
-//! Cost: one symbolic and 1 + `steps` numeric factorisations of a matrix of #V + #F of the target.
+//! Cost: one symbolic and 1 + `steps` numeric factorisations of a matrix of #V + #F of the target, or of its proxy.
 
 mod elements;
 mod link_elements;
 mod markers;
 mod patches;
+mod proxy;
 mod tears;
 mod ties;
 mod unit_frame;
@@ -38,14 +40,14 @@ mod weighting;
 
 use mimesh_core::{
     Figures, Result,
-    mesh::SurfacePoint,
+    mesh::{Surface, SurfacePoint},
     operators::vertex_normals,
     plugin::check_ranges,
     register,
     spatial::Orientation,
     stage::{Correspondence, TransferPair, TriangleMap, Work},
 };
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use tracing::{Span, debug_span};
@@ -54,6 +56,7 @@ pub use self::weighting::Weighting;
 use self::{
     elements::{Elements, EnergyWeights, System},
     patches::{Points, Settled},
+    proxy::Proxy,
     unit_frame::UnitFrame,
 };
 use crate::{facing::Facing, sides::keep_sides};
@@ -101,6 +104,11 @@ pub struct NonrigidFit {
     /// takes the closest point whichever way it faces.
     #[schemars(range(min = 0.0))]
     pub inner_depth: f64,
+    /// A target of more vertices is fitted by a simplified proxy and then follows it; `~` fits targets of any size themselves.
+    pub proxy_above: Option<usize>,
+    /// About how many vertices a proxy has. More take longer, and differ less from a fit of the target itself.
+    #[schemars(range(min = 100))]
+    pub proxy_vertices: usize,
     /// How source and target are turned to each other at rest.
     pub orientation: Orientation,
 }
@@ -117,6 +125,8 @@ impl Default for NonrigidFit {
             steps: 10,
             max_distance: 0.05,
             inner_depth: 0.003,
+            proxy_above: Some(150_000),
+            proxy_vertices: 50_000,
             orientation: Orientation::Auto,
         }
     }
@@ -134,14 +144,18 @@ impl Correspondence for NonrigidFit {
         let pair = self.linked(pair);
         let (source, target) = (pair.source, pair.target);
         let unit = UnitFrame::new(pair, self.orientation);
-        let elements = Elements::new(&unit.target, target);
+        let proxy = debug_span!("proxy").in_scope(|| self.proxy(pair, &unit))?;
+        let unit_of_proxy = proxy.as_ref().map(|proxy| proxy.unit(&unit));
+        let fitted_unit = unit_of_proxy.as_ref().unwrap_or(&unit);
+        let fitted_pair = proxy.as_ref().map_or(pair, |proxy| proxy.pair(pair));
+        let elements = Elements::new(&fitted_unit.target, fitted_pair.target);
         // Neither needs the other.
         let span = Span::current();
         let (facing, system) = rayon::join(
             || debug_span!(parent: &span, "search tree").in_scope(|| Facing::new(&unit.source, &source.triangles)),
             || {
                 let span = debug_span!(parent: &span, "system");
-                span.in_scope(|| elements.system(self.energy_weights(), pair, &unit))
+                span.in_scope(|| elements.system(self.energy_weights(), fitted_pair, fitted_unit))
             },
         );
         let (mut facing, system) = (facing?, system?);
@@ -149,7 +163,29 @@ impl Correspondence for NonrigidFit {
             facing = facing.with_inner_sides(self.inner_depth);
         }
         setting_up.done(1.0);
-        let (fit, mut points, mut figures) = self.fit(pair, &unit, &facing, &elements, system, fitting)?;
+        let mut system = system;
+        let (fit, guesses) = self.fit(fitted_pair, fitted_unit, &facing, &mut system, fitting)?;
+        let mut figures = Figures::default();
+        figures.set("smoothness_energy", elements.smoothness_energy(&system));
+        if elements.skipped() > 0 {
+            figures.set("triangles_skipped", elements.skipped());
+        }
+        drop(system);
+        let (fit, mut points) = match &proxy {
+            Some(proxy) => {
+                figures.set("proxy_vertices", proxy.vertex_count());
+                let carried = debug_span!("proxy").in_scope(|| proxy.carry(&unit.target, &fit));
+                let mut points = self.closest(&facing, &carried, target, &[]);
+                self.find_lost(&facing, &carried, &proxy.normals(&fit), &mut points);
+                (carried, points)
+            }
+            None => {
+                let points = self.closest(&facing, &fit, target, &guesses);
+                (fit, points)
+            }
+        };
+        keep_sides(pair, &fit, &facing, self.max_distance, &mut points);
+        measure(pair, &unit, &fit, &points, &mut figures);
         let mut valid: Vec<bool> = points.iter().map(Option::is_some).collect();
         for marker in pair.markers {
             marker.target.corners(target).iter().for_each(|&(v, _)| valid[v as usize] = true);
@@ -186,53 +222,55 @@ impl NonrigidFit {
         if self.proximity > 0.0 { pair } else { TransferPair { proximity: None, ..pair } }
     }
 
-    /// The deformed target in the unit frame, and the valid source point that each of its vertices has come to lie at.
+    /// The proxy that is fitted in place of the target, if it is large.
+    fn proxy(&self, pair: TransferPair<'_>, unit: &UnitFrame) -> Result<Option<Proxy>> {
+        match self.proxy_above {
+            Some(most) if pair.target.vertex_count() > most => Proxy::new(pair, unit, self.proxy_vertices),
+            _ => Ok(None),
+        }
+    }
+
+    /// The deformed target in the unit frame, and the valid source points of its vertices in the last step.
     fn fit(
         &self,
         pair: TransferPair<'_>,
         unit: &UnitFrame,
         facing: &Facing,
-        elements: &Elements<'_>,
-        mut system: System,
+        system: &mut System,
         work: Work<'_>,
-    ) -> Result<(Vec<Point3<f64>>, Points, Figures)> {
-        let triangles = &pair.target.triangles;
+    ) -> Result<(Vec<Point3<f64>>, Points)> {
         let mut fit = debug_span!("solve").in_scope(|| system.solve(&[]));
-        let find = |fit: &[Point3<f64>], guesses: &[Option<SurfacePoint>]| {
-            debug_span!("closest points")
-                .in_scope(|| facing.points(fit, &vertex_normals(fit, triangles), self.max_distance, guesses))
-        };
         let place = |point: &SurfacePoint| point.position(pair.source, &unit.source);
         let mut points = Points::new();
         for step in 0..self.steps {
             // Vertices move little from step to step.
-            points = find(&fit, &points);
+            points = self.closest(facing, &fit, pair.target, &points);
             let goals: Vec<_> = points.iter().map(|point| point.as_ref().map(place)).collect();
             debug_span!("factorisation").in_scope(|| system.add_targets(self.closest_weight(step), &goals))?;
             fit = debug_span!("solve").in_scope(|| system.solve(&goals));
             work.done((step + 1) as f64 / (self.steps + 1) as f64);
         }
-        points = find(&fit, &points);
-        keep_sides(pair, &fit, facing, self.max_distance, &mut points);
+        Ok((fit, points))
+    }
 
-        let mut figures = Figures::default();
-        let squares =
-            fit.iter().zip(&points).filter_map(|(x, point)| Some((x - place(point.as_ref()?)).norm_squared()));
-        let count = points.iter().flatten().count();
-        figures.set("vertices_on_the_source", count);
-        figures.set("rms_distance_percent", 100.0 * (squares.sum::<f64>() / count.max(1) as f64).sqrt());
-        figures.set("smoothness_energy", elements.smoothness_energy(&system));
-        if elements.skipped() > 0 {
-            figures.set("triangles_skipped", elements.skipped());
+    /// The valid source point of each vertex of `target` at `fit`; `guesses` are points that are likely near, or empty.
+    fn closest(
+        &self,
+        facing: &Facing,
+        fit: &[Point3<f64>],
+        target: &Surface,
+        guesses: &[Option<SurfacePoint>],
+    ) -> Points {
+        debug_span!("closest points")
+            .in_scope(|| facing.points(fit, &vertex_normals(fit, &target.triangles), self.max_distance, guesses))
+    }
+
+    /// Finds points for vertices that have none, by how a proxy faces there: small triangles may be turned over where it is not.
+    fn find_lost(&self, facing: &Facing, fit: &[Point3<f64>], normals: &[Vector3<f64>], points: &mut Points) {
+        for (v, point) in points.iter_mut().enumerate().filter(|(_, point)| point.is_none()) {
+            let found = facing.find(&fit[v], &normals[v], self.max_distance);
+            *point = found.map(|found| SurfacePoint::Triangle(found.triangle, found.barycentric));
         }
-        if 2 * count < fit.len() {
-            figures.warn(format!(
-                "only {count} of {} target vertices came to lie on the source, facing the same way; look whether markers are \
-                 swapped, whether one mesh is inside out, or give more markers",
-                fit.len()
-            ));
-        }
-        Ok((fit, points, figures))
     }
 
     fn energy_weights(&self) -> EnergyWeights {
@@ -245,5 +283,27 @@ impl NonrigidFit {
         let [first, last] = self.closest;
         let along = step as f64 / (self.steps - 1).max(1) as f64;
         if first > 0.0 && last > 0.0 { first * (last / first).powf(along) } else { first + (last - first) * along }
+    }
+}
+
+/// Reports how far the target, deformed to `fit`, lies from the source.
+fn measure(
+    pair: TransferPair<'_>,
+    unit: &UnitFrame,
+    fit: &[Point3<f64>],
+    points: &[Option<SurfacePoint>],
+    figures: &mut Figures,
+) {
+    let place = |point: &SurfacePoint| point.position(pair.source, &unit.source);
+    let squares = fit.iter().zip(points).filter_map(|(x, point)| Some((x - place(point.as_ref()?)).norm_squared()));
+    let count = points.iter().flatten().count();
+    figures.set("vertices_on_the_source", count);
+    figures.set("rms_distance_percent", 100.0 * (squares.sum::<f64>() / count.max(1) as f64).sqrt());
+    if 2 * count < fit.len() {
+        figures.warn(format!(
+            "only {count} of {} target vertices came to lie on the source, facing the same way; look whether markers are \
+             swapped, whether one mesh is inside out, or give more markers",
+            fit.len()
+        ));
     }
 }
