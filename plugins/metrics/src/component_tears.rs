@@ -100,7 +100,8 @@ mod tests {
             SurfacePoint::Vertex(nearest(&target.positions[v as usize], z))
         };
         let at = |place: &SurfacePoint| place.position(&source, &source.positions);
-        let neighbours: Vec<Neighbours> = crate::elements::edge_vertices(&target)
+        let neighbours: Vec<Neighbours> = target
+            .edges()
             .into_iter()
             .map(|[a, b]| {
                 let places = [place(a), place(b)];

@@ -84,7 +84,7 @@ where
 /// The edges of triangles, each once, without those shorter than [`MIN_LENGTH`] of the diagonal.
 pub fn edges(surface: &Surface) -> Elements<2> {
     let min_size = MIN_LENGTH * surface.diagonal();
-    Elements::new(surface, &edge_vertices(surface), min_size, |_, length| length)
+    Elements::new(surface, &surface.edges(), min_size, |_, length| length)
 }
 
 /// The triangles, without those of a height below [`MIN_LENGTH`] of the diagonal.
@@ -94,15 +94,4 @@ pub fn triangles(surface: &Surface) -> Elements<3> {
         let longest = (b - a).norm().max((c - b).norm()).max((a - c).norm());
         if longest > 0.0 { 2.0 * area / longest } else { 0.0 }
     })
-}
-
-/// The two vertices of each edge of a surface, smaller first; each edge once, sorted.
-pub fn edge_vertices(surface: &Surface) -> Vec<[u32; 2]> {
-    let mut edges: Vec<[u32; 2]> = Vec::with_capacity(3 * surface.triangle_count());
-    for &[a, b, c] in &surface.triangles {
-        edges.extend([[a, b], [b, c], [c, a]].into_iter().filter(|[u, v]| u != v).map(|[u, v]| [u.min(v), u.max(v)]));
-    }
-    edges.sort_unstable();
-    edges.dedup();
-    edges
 }

@@ -142,7 +142,7 @@ fn edge_ends(pair: TransferPair<'_>, map: &TriangleMap) -> Vec<Neighbours> {
             vertices: [a, b, a, b, a, b],
         })
     };
-    elements::edge_vertices(pair.target).into_iter().filter_map(neighbours).collect()
+    pair.target.edges().into_iter().filter_map(neighbours).collect()
 }
 
 /// Adjacent triangles of the target that both have a partner.

@@ -140,6 +140,11 @@ impl Surface {
         Topology::new(&self.triangles)
     }
 
+    /// The edges of triangles, each once, smaller vertex first, sorted.
+    pub fn edges(&self) -> Vec<[u32; 2]> {
+        super::topology::edges(&self.triangles)
+    }
+
     /// The connected components.
     pub fn components(&self) -> Components {
         Components::new(self.vertex_count(), &self.triangles)

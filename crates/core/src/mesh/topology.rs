@@ -25,7 +25,7 @@ impl Topology {
                 halves.extend([[a, b], [b, c], [c, a]].map(|[u, v]| ([u.min(v), u.max(v)], t as u32)));
             }
         }
-        halves.sort_unstable();
+        let halves = sorted_by_place(&halves, |(ends, _)| ends[0]);
         let mut result = Self { adjacent: vec![], boundary: vec![], non_manifold: vec![], edge_count: 0 };
         for edge in halves.chunk_by(|a, b| a.0 == b.0) {
             result.edge_count += 1;
@@ -38,10 +38,44 @@ impl Topology {
                 result.adjacent.extend(edge[i + 1..].iter().map(|b| [a.1, b.1]));
             }
         }
-        result.adjacent.sort_unstable();
+        result.adjacent = sorted_by_place(&result.adjacent, |pair| pair[0]);
         result.adjacent.dedup();
         result
     }
+}
+
+/// The edges of `triangles`, each once, smaller vertex first, sorted; those between a vertex and itself are none.
+pub(super) fn edges(triangles: &[[u32; 3]]) -> Vec<[u32; 2]> {
+    let mut edges: Vec<[u32; 2]> = Vec::with_capacity(3 * triangles.len());
+    for &[a, b, c] in triangles {
+        edges.extend([[a, b], [b, c], [c, a]].into_iter().filter(|[u, v]| u != v).map(|[u, v]| [u.min(v), u.max(v)]));
+    }
+    let mut edges = sorted_by_place(&edges, |edge| edge[0]);
+    edges.dedup();
+    edges
+}
+
+/// `items` sorted, where `place` is what they are sorted by first. Few have one place, so that counting them takes a fraction of the time of
+/// comparing all.
+fn sorted_by_place<T: Copy + Ord>(items: &[T], place: impl Fn(&T) -> u32) -> Vec<T> {
+    let count = items.iter().map(&place).max().map_or(0, |last| last as usize + 1);
+    let mut ends = vec![0usize; count + 1];
+    items.iter().for_each(|item| ends[place(item) as usize + 1] += 1);
+    (0..count).for_each(|p| ends[p + 1] += ends[p]);
+    // Now starts; filling moves each to its end.
+    let Some(&first) = items.first() else { return vec![] };
+    let mut sorted = vec![first; items.len()];
+    for item in items {
+        let next = &mut ends[place(item) as usize];
+        sorted[*next] = *item;
+        *next += 1;
+    }
+    let mut start = 0;
+    for &end in &ends[..count] {
+        sorted[start..end].sort_unstable();
+        start = end;
+    }
+    sorted
 }
 
 /// The edge `ends` in the direction in which `triangle` runs through it.
@@ -95,6 +129,23 @@ impl Components {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn counting_sorts_as_comparing_does() {
+        let mut random = crate::testkit::random::Random::new(5);
+        let mut number = |most: f64| ((random.vector().x + 1.0) * 0.5 * most) as u32;
+        for (count, places) in [(0, 1.0), (1, 5.0), (500, 4.0), (500, 900.0)] {
+            let items: Vec<[u32; 2]> = (0..count).map(|_| [number(places), number(9.0)]).collect();
+            let mut expected = items.clone();
+            expected.sort_unstable();
+            assert_eq!(sorted_by_place(&items, |item| item[0]), expected);
+        }
+    }
+
+    #[test]
+    fn edges_are_listed_once_and_in_order() {
+        assert_eq!(edges(&[[3, 1, 2], [2, 1, 0], [4, 4, 0]]), [[0, 1], [0, 2], [0, 4], [1, 2], [1, 3], [2, 3]]);
+    }
 
     #[test]
     fn two_triangles_share_one_edge_and_have_four_boundary_edges() {

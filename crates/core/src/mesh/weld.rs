@@ -149,6 +149,6 @@ mod tests {
     #[test]
     fn positive_and_negative_zero_are_one_place() {
         let positions = vec![Point3::new(0.0, 0.0, 0.0), Point3::new(-0.0, 0.0, -0.0)];
-        assert_eq!(places(&positions), [0, 0]);
+        assert_eq!(places(&positions, &[[0, 1]]), [0, 0]);
     }
 }

@@ -45,7 +45,7 @@ pub fn keep_untouched(rest: &Surface, positions: &mut [Point3<f64>], untouched: 
     let count = rest.vertex_count();
     Error::check_shape("positions: vertices", count, positions.len())?;
     Error::check_shape("untouched: vertices", count, untouched.len())?;
-    let edges = edges(&rest.triangles);
+    let edges = rest.edges();
     let length = |[a, b]: [u32; 2]| (rest.positions[a as usize] - rest.positions[b as usize]).norm();
     let floor = MIN_LENGTH * edges.iter().map(|&edge| length(edge)).sum::<f64>() / edges.len().max(1) as f64;
     let held = held(count, &edges, untouched);
@@ -71,15 +71,6 @@ pub fn keep_untouched(rest: &Surface, positions: &mut [Point3<f64>], untouched: 
         *position = rest.positions[v];
     }
     Ok(())
-}
-
-/// The edges of `triangles`, each once.
-fn edges(triangles: &[[u32; 3]]) -> Vec<[u32; 2]> {
-    let sides = triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
-    let mut edges: Vec<_> = sides.filter(|[a, b]| a != b).map(|[a, b]| [a.min(b), a.max(b)]).collect();
-    edges.sort_unstable();
-    edges.dedup();
-    edges
 }
 
 /// Vertices whose correction is known: those that are `untouched`, and those that no edges join to one.
