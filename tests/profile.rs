@@ -11,7 +11,7 @@ use serde_json::Value;
 /// A walk of two made animals, with every kind of step: markers are found, parts linked, poses measured and drawn.
 const ANIMALS: &str = "\
 source: { generator: { type: quadruped, resolution: 20, frames: 5 } }
-target: { generator: { type: quadruped, proportions: camel, resolution: 22, frames: 5, seed: 1, made_of: plates, pieces: 6 } }
+target: { generator: { type: quadruped, proportions: camel, resolution: 22, frames: 5, seed: 1, made_of: plates, pieces: 20 } }
 output: [ \"out/{pose}.obj\", out/all.glb, out/report.html ]
 ";
 
@@ -69,10 +69,11 @@ fn the_table_has_the_stages_of_the_pipeline_and_agrees_with_the_time_of_the_run(
         let label = format!("{}{name}", stage["stage"].as_str().unwrap());
         let (_, _, cells) = find(&label);
         assert_eq!(cells[0], "1", "{label}");
-        // Both are rounded to 10 ms. The report takes the proximity out of the reading, and ends before the last files are written.
+        // A machine under load may halt between the two clocks. The report takes the proximity out of the reading, and ends before the last files are written.
         let difference = seconds(&cells[1]) - stage["seconds"].as_f64().unwrap();
         let is_framed = ["reading", "writing"].contains(&&*label);
-        assert!(difference > -0.011 && (is_framed || difference < 0.2), "{label}: {cells:?} and {stage}");
+        let most = 0.1 + 0.25 * stage["seconds"].as_f64().unwrap();
+        assert!(difference > -most && (is_framed || difference < most), "{label}: {cells:?} and {stage}");
     }
     // All poses are counted at each of their steps.
     let poses = report["poses"].as_array().unwrap().len();

