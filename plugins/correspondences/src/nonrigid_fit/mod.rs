@@ -64,7 +64,7 @@ use crate::{facing::Facing, sides::keep_sides};
 register!(Correspondence: NonrigidFit);
 
 /// What goes before the steps and what comes after them cost, in steps.
-const SETTING_UP: f64 = 2.0;
+const SETTING_UP: f64 = 6.0;
 const PAIRING: f64 = 0.5;
 
 /// Deforms the target onto the source, guided by markers and closest points, and pairs triangles that then lie together
