@@ -47,14 +47,11 @@ register!(Transfer: Biharmonic);
 /// Fewer handles fix no place in space.
 const MIN_MARKERS: usize = 3;
 
-/// The cost of weights grows with this power of the number of vertices.
-const GROWTH: f64 = 1.2;
-
 /// The part of weights that goes to binding.
-const BINDING: f64 = 0.1;
+const BINDING: f64 = 0.05;
 
 /// What comes after weights costs, in weights of the source.
-const REST: f64 = 0.1;
+const REST: f64 = 0.2;
 
 /// Moves the target by a few handles, whose maps are found on the source (Yang et al. 2018).
 ///
@@ -142,8 +139,8 @@ impl Transfer for Biharmonic {
         self.check(pair)?;
         let (weights, clusterer, deformer) = self.stages()?;
         let handles: Vec<usize> = (0..pair.markers.len()).collect();
-        // Weights take nearly all of the time.
-        let cost = |surface: &Surface| (surface.vertex_count() as f64).powf(GROWTH);
+        // Weights take nearly all of the time, and about as long a vertex on either surface.
+        let cost = |surface: &Surface| surface.vertex_count() as f64;
         let [on_source, on_target, rest] =
             input.work.parts([cost(pair.source), cost(pair.target), REST * cost(pair.source)]);
         let solve = |side: &str, work: Work<'_>, surface: &Surface, points: Vec<SurfacePoint>, proximity| {
