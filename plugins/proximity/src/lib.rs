@@ -2,4 +2,5 @@
 
 mod parts;
 pub mod spanning_tree;
+mod sweep;
 mod tree;

@@ -13,8 +13,9 @@ pub struct Part {
     pub vertices: Vec<u32>,
     positions: Vec<Point3<f64>>,
     nearest: Nearest,
-    low: Point3<f64>,
-    high: Point3<f64>,
+    /// The corners of its bounding box.
+    pub low: Point3<f64>,
+    pub high: Point3<f64>,
     /// Its longest edge.
     pub longest_edge: f64,
 }
@@ -49,15 +50,27 @@ impl Part {
         gap.map(|x| x.max(0.0)).norm() * (1.0 - 4.0 * f64::EPSILON)
     }
 
+    /// A lower bound of the distance of its vertices to `point`, as [`box_distance`](Self::box_distance) is.
+    fn distance_to_box(&self, point: &Point3<f64>) -> f64 {
+        let gap = (self.low - point).sup(&(point - self.high));
+        gap.map(|x| x.max(0.0)).norm() * (1.0 - 4.0 * f64::EPSILON)
+    }
+
     /// The shortest distance between vertices of the two.
     pub fn distance(&self, other: &Self) -> f64 {
         let (few, many) = if self.vertices.len() <= other.vertices.len() { (self, other) } else { (other, self) };
-        few.positions.iter().map(|p| many.nearest.find(p).1).fold(f64::INFINITY, f64::min)
+        let nearer = |nearest: f64, p| {
+            if many.distance_to_box(p) >= nearest { nearest } else { nearest.min(many.nearest.find(p).1) }
+        };
+        few.positions.iter().fold(f64::INFINITY, nearer)
     }
 
     /// For each vertex nearer to `other` than `limit` its nearest vertex there: distance, own vertex, the other's.
     pub fn near(&self, other: &Self, limit: f64) -> Vec<(f64, u32, u32)> {
         let find = |(p, &v): (&Point3<f64>, &u32)| {
+            if other.distance_to_box(p) > limit {
+                return None;
+            }
             let (index, distance) = other.nearest.find(p);
             (distance <= limit).then(|| (distance, v, other.vertices[index as usize]))
         };

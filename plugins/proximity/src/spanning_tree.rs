@@ -10,7 +10,8 @@
 //! millions of pairs that say the same (`pairs: all` for the paper).
 //!
 //! Cost: the tree is exact without all distances. Pairs of components wait in a queue under the distance of their bounding
-//! boxes; only those that come to its front before the tree is complete are measured (`tree.rs`).
+//! boxes; only those that come to its front before the tree is complete are measured (`tree.rs`), and only those that lie close
+//! enter the queue at all (`sweep.rs`).
 
 use std::collections::BTreeMap;
 
@@ -28,6 +29,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::{
     parts::Part,
+    sweep::Sweep,
     tree::{Measured, tree},
 };
 
@@ -139,10 +141,10 @@ impl SpanningTree {
             pair.into_iter().for_each(|c| reach[c as usize] = reach[c as usize].max(distance));
         }
         reach.iter_mut().zip(parts).for_each(|(reach, part)| *reach += self.epsilon(part));
-        let count = parts.len() as u32;
-        let others = |a: u32| {
+        let sweep = Sweep::new(parts);
+        let others = |place: usize| {
             let (parts, reach, allowed) = (&parts, &reach, &allowed);
-            (a + 1..count).filter_map(move |b| {
+            sweep.near(place, reach[sweep.part(place) as usize]).filter_map(move |[a, b]| {
                 let (p, q) = (&parts[a as usize], &parts[b as usize]);
                 let limit = reach[a as usize].min(reach[b as usize]);
                 if !allowed(a, b) || p.box_distance(q) > limit {
@@ -152,7 +154,7 @@ impl SpanningTree {
                 (distance <= limit).then_some((distance, [a, b]))
             })
         };
-        (0..count).into_par_iter().flat_map_iter(others).collect()
+        (0..parts.len()).into_par_iter().flat_map_iter(others).collect()
     }
 
     /// The pairs of vertices of a link, closest first, and whether some were left out.
@@ -203,6 +205,9 @@ fn nearest(parts: &[Part], from: &[u32], to: &[u32]) -> Vec<Measured> {
 
 /// At most `count` of the points, spread evenly: the first, then always the one farthest from those taken.
 fn farthest_subset(points: &[Point3<f64>], count: usize) -> Vec<usize> {
+    if points.len() <= count {
+        return (0..points.len()).collect();
+    }
     let mut taken = Vec::new();
     let mut distance = vec![f64::INFINITY; points.len()];
     let mut next = 0;

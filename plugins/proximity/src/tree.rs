@@ -9,7 +9,10 @@ use petgraph::{
     unionfind::UnionFind,
 };
 
-use crate::parts::Part;
+use crate::{parts::Part, sweep::Sweep};
+
+/// The greatest distance of boxes that enter the queue first, in diagonals of the box of all.
+const FIRST_REACH: f64 = 1.0 / 256.0;
 
 /// A pair of components, smaller number first, under the shortest distance between their vertices.
 ///
@@ -42,27 +45,44 @@ pub fn tree(parts: &[Part], allowed: impl Fn(u32, u32) -> bool) -> Vec<Measured>
 /// that came to the front with their distances. All of these lie below the bound of the dropped pair, since bounds precede
 /// distances of the same value, and no pair comes back under less than its bound. So the dropped pair is the heaviest edge
 /// of a cycle, which is no edge of a minimum spanning tree. The same holds for all that wait once everything is joined.
+///
+/// Pairs with greater bounds enter the queue when all with smaller ones have left it, unless they are joined by then.
 fn candidates(parts: &[Part], allowed: impl Fn(u32, u32) -> bool) -> Vec<Measured> {
-    let count = parts.len() as u32;
-    let pairs = (0..count).flat_map(|a| (a + 1..count).map(move |b| [a, b])).filter(|&[a, b]| allowed(a, b));
+    let sweep = Sweep::new(parts);
     let bound = |[a, b]: [u32; 2]| parts[a as usize].box_distance(&parts[b as usize]);
-    let mut queue: BinaryHeap<_> = pairs.map(|pair| Reverse(waiting(bound(pair), false, pair))).collect();
+    let mut queue = BinaryHeap::new();
     let mut candidates = Vec::new();
     let mut joined = UnionFind::<u32>::new(parts.len());
     let mut sets = parts.len();
-    while sets > 1
-        && let Some(Reverse((_, is_distance, [a, b]))) = queue.pop()
-    {
-        if joined.equiv(a, b) {
-            continue;
+    // All pairs with bounds up to this one have entered the queue.
+    let mut entered = f64::NEG_INFINITY;
+    while sets > 1 && entered < f64::INFINITY {
+        let next = if entered > 0.0 { 2.0 * entered } else { FIRST_REACH * sweep.diagonal };
+        let next = if next < sweep.diagonal { next } else { f64::INFINITY };
+        for pair in (0..sweep.count()).flat_map(|place| sweep.near(place, next)) {
+            let [a, b] = pair;
+            let bound = bound(pair);
+            if bound > entered && bound <= next && !joined.equiv(a, b) && allowed(a, b) {
+                queue.push(Reverse(waiting(bound, false, pair)));
+            }
         }
-        if is_distance {
-            joined.union(a, b);
-            sets -= 1;
-        } else {
-            let distance = parts[a as usize].distance(&parts[b as usize]);
-            candidates.push((distance, [a, b]));
-            queue.push(Reverse(waiting(distance, true, [a, b])));
+        entered = next;
+        while sets > 1
+            && let Some(&Reverse((value, is_distance, [a, b]))) = queue.peek()
+            && f64::from_bits(value) <= entered
+        {
+            queue.pop();
+            if joined.equiv(a, b) {
+                continue;
+            }
+            if is_distance {
+                joined.union(a, b);
+                sets -= 1;
+            } else {
+                let distance = parts[a as usize].distance(&parts[b as usize]);
+                candidates.push((distance, [a, b]));
+                queue.push(Reverse(waiting(distance, true, [a, b])));
+            }
         }
     }
     candidates

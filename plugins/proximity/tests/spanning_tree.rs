@@ -95,6 +95,24 @@ proptest! {
     }
 }
 
+/// Most pairs lie too far apart to be looked at, and some of the tree's edges bridge distances of all sizes.
+#[test]
+fn islands_far_from_each_other_are_joined_as_kruskal_joins_them() {
+    for seed in 0..20 {
+        let mut surface = scattered(seed, 60, false);
+        let components = surface.components();
+        for (p, c) in surface.positions.iter_mut().zip(&components.of_vertex) {
+            let island = c.unwrap() % 4;
+            p.x += 4.0 * 10f64.powi(island as i32);
+        }
+        let graph = SpanningTree { epsilon_factor: 0.0, ..SpanningTree::default() }.proximity(&surface).unwrap();
+        let mut expected = kruskal(&distances(&surface), &BTreeSet::new());
+        expected.sort_unstable();
+        let tree: Vec<_> = graph.links().filter(|link| link.in_tree).map(|link| link.components).collect();
+        assert_eq!(tree, expected, "{seed}");
+    }
+}
+
 #[test]
 fn more_links_are_those_as_close_as_the_rule_says() {
     for seed in 0..20 {
