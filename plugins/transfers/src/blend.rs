@@ -261,7 +261,26 @@ struct Bound {
 
 impl BoundTransfer for Bound {
     fn transfer(&self, posed: &[Point3<f64>]) -> Result<Transferred> {
-        self.blend(self.parts.iter().map(|part| part.transfer(posed)).collect::<Result<_>>()?)
+        self.transfer_all(&[posed]).pop().expect("one pose has one result")
+    }
+
+    fn at_once(&self) -> usize {
+        let of_parts = self.parts.iter().map(|part| part.at_once());
+        of_parts.chain(self.poisson.as_ref().map(Poisson::at_once)).max().unwrap_or(1)
+    }
+
+    fn transfer_all(&self, poses: &[&[Point3<f64>]]) -> Vec<Result<Transferred>> {
+        let mut of_poses: Vec<Result<Vec<Transferred>>> = poses.iter().map(|_| Ok(vec![])).collect();
+        for part in &self.parts {
+            for (results, result) in of_poses.iter_mut().zip(part.transfer_all(poses)) {
+                match (results.as_mut(), result) {
+                    (Ok(results), Ok(result)) => results.push(result),
+                    (Ok(_), Err(error)) => *results = Err(error),
+                    (Err(_), _) => {}
+                }
+            }
+        }
+        self.blend_all(of_poses)
     }
 
     fn motion(&self) -> Option<Box<dyn Motion + '_>> {
@@ -280,17 +299,33 @@ struct InMotion<'a> {
 
 impl Motion for InMotion<'_> {
     fn frame(&mut self, frame: usize, posed: &[Point3<f64>]) -> Result<Transferred> {
-        self.bound.blend(self.parts.iter_mut().map(|part| part.frame(frame, posed)).collect::<Result<_>>()?)
+        let results = self.parts.iter_mut().map(|part| part.frame(frame, posed)).collect();
+        self.bound.blend_all(vec![results]).pop().expect("one frame has one result")
     }
 }
 
 impl Bound {
-    fn blend(&self, results: Vec<Transferred>) -> Result<Transferred> {
+    /// The blend of the parts' results, for each pose.
+    fn blend_all(&self, of_poses: Vec<Result<Vec<Transferred>>>) -> Vec<Result<Transferred>> {
+        let Some(poisson) = &self.poisson else {
+            return of_poses.into_iter().map(|results| self.blend(results?, None)).collect();
+        };
+        let field = |results: &Vec<Transferred>| (0..self.triangles.len()).map(|t| self.gradient(t, results)).collect();
+        let fields: Vec<Vec<Matrix3<f64>>> = of_poses.iter().flatten().map(field).collect();
+        let fields: Vec<&[Matrix3<f64>]> = fields.iter().map(Vec::as_slice).collect();
+        let mut solutions = poisson.solve_all(&fields, Fit::LEAST_SQUARES).into_iter();
+        let blend = |results: Result<Vec<Transferred>>| {
+            let results = results?;
+            self.blend(results, Some(solutions.next().expect("each field has a solution")?.positions))
+        };
+        of_poses.into_iter().map(blend).collect()
+    }
+
+    /// The blend of the parts' results, given their mean gradients integrated where a component is mixed.
+    fn blend(&self, results: Vec<Transferred>, integrated: Option<Vec<Point3<f64>>>) -> Result<Transferred> {
         let mut positions: Vec<_> =
             self.members.part.iter().enumerate().map(|(v, &k)| results[k].positions[v]).collect();
-        let field: Vec<Matrix3<f64>> = (0..self.triangles.len()).map(|t| self.gradient(t, &results)).collect();
-        if let Some(poisson) = &self.poisson {
-            let integrated = poisson.solve(&field, Fit::LEAST_SQUARES)?.positions;
+        if let Some(integrated) = integrated {
             for members in &self.members.mixed {
                 let goal: Vector3<f64> = members.iter().map(|&(v, share)| self.mean(v, &results) * share).sum();
                 let found: Vector3<f64> = members.iter().map(|&(v, share)| integrated[v as usize].coords * share).sum();

@@ -154,6 +154,28 @@ impl BoundTransfer for Bound {
         run(self.links.iter(), posed, |link, posed| link.transfer(posed))
     }
 
+    fn at_once(&self) -> usize {
+        self.links.iter().map(|link| link.at_once()).max().unwrap_or(1)
+    }
+
+    fn transfer_all(&self, poses: &[&[Point3<f64>]]) -> Vec<Result<Transferred>> {
+        let start = |posed: &&[Point3<f64>]| Ok(Transferred { positions: posed.to_vec(), figures: Figures::default() });
+        let mut results: Vec<Result<Transferred>> = poses.iter().map(start).collect();
+        for (k, link) in self.links.iter().enumerate() {
+            let sound: Vec<&[Point3<f64>]> = results.iter().flatten().map(|result| &result.positions[..]).collect();
+            let mut next = link.transfer_all(&sound).into_iter();
+            for result in &mut results {
+                if let Ok(before) = result {
+                    match next.next().expect("each pose has a result") {
+                        Ok(next) => hand_on(before, k, next),
+                        Err(error) => *result = Err(error),
+                    }
+                }
+            }
+        }
+        results
+    }
+
     fn motion(&self) -> Option<Box<dyn Motion + '_>> {
         Some(Box::new(InMotion { links: Frames::of(self.links.iter().map(|link| &**link))? }))
     }
@@ -172,10 +194,15 @@ fn run<L>(
     let mut result = Transferred { positions: posed.to_vec(), figures: Figures::default() };
     for (k, link) in links.enumerate() {
         let next = one(link, &result.positions)?;
-        result.positions = next.positions;
-        add(&mut result.figures, k, next.figures);
+        hand_on(&mut result, k, next);
     }
     Ok(result)
+}
+
+/// Takes over the result of link `k`.
+fn hand_on(result: &mut Transferred, k: usize, next: Transferred) {
+    result.positions = next.positions;
+    add(&mut result.figures, k, next.figures);
 }
 
 struct InMotion<'a> {

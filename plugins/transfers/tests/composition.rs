@@ -212,3 +212,44 @@ fn parts_that_overlap_or_leave_something_out_are_named() {
             .contains("one transfer or more")
     );
 }
+
+#[test]
+fn several_poses_at_once_have_the_results_that_each_has_alone() {
+    let surface = row();
+    let mut map = identity_map(&surface);
+    // The last bar is an orphan, so that poses take different numbers of steps.
+    for (partner, t) in map.triangles.iter_mut().zip(&surface.triangles) {
+        *partner = partner.filter(|_| surface.components().of_vertex[t[0] as usize] != Some(2));
+    }
+    let graph = linked(&surface);
+    let markers: Vec<_> = [0, 20, 50, 90, 120]
+        .map(|v| Marker { name: v.to_string(), source: SurfacePoint::Vertex(v), target: SurfacePoint::Vertex(v) })
+        .into();
+    let pair = TransferPair { source: &surface, target: &surface, markers: &markers, proximity: Some(&graph) };
+    let chain = Chain { transfers: vec![Box::new(CopyDisplacement::default()), Box::new(combined())] };
+    let stages: [(&str, &dyn Transfer); 5] = [
+        ("multi_component", &MultiComponent::default()),
+        ("initial", &combined()),
+        ("chain", &chain),
+        ("blend", &of_two(0.0)),
+        ("soft blend", &of_two(0.3)),
+    ];
+    for (name, stage) in stages {
+        let bound = stage.bind(BindInput::new(pair, &map)).unwrap();
+        // More than are solved for together, among them one that is refused.
+        let mut poses: Vec<_> = (0..11).map(|k| bent(&surface.positions, 0.1 * f64::from(k))).collect();
+        poses[4][7].x = f64::NAN;
+        let poses: Vec<&[Point3<f64>]> = poses.iter().map(Vec::as_slice).collect();
+        let together = bound.transfer_all(&poses);
+        assert_eq!(together.len(), poses.len(), "{name}");
+        for (k, (posed, result)) in poses.iter().zip(together).enumerate() {
+            match (bound.transfer(posed), result) {
+                (Ok(alone), Ok(result)) => {
+                    assert!(alone.positions == result.positions, "{name}: pose {k} differs among others");
+                    assert_eq!(alone.figures, result.figures, "{name}: pose {k}");
+                }
+                (alone, result) => assert!(k == 4 && alone.is_err() && result.is_err(), "{name}: pose {k}"),
+            }
+        }
+    }
+}

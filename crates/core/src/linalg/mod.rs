@@ -19,4 +19,5 @@ pub use blocks::{Blocks, OuterSum};
 pub use cholesky::Cholesky;
 pub use fixed::FixedUnknowns;
 pub use lanes::{LaneCholesky, LanePattern};
+pub use multifrontal::Multifrontal;
 pub use multigrid::{Grids, Multigrid};

@@ -17,7 +17,7 @@ mod rotation;
 mod tetrahedron;
 mod untouched;
 
-pub use blend::linear_blend;
+pub use blend::{blended_maps, linear_blend};
 pub use deformation_gradient::DeformationGradients;
 pub use degenerate::{is_degenerate, relative_height};
 pub use gradient::{Gradient, gradients};

@@ -3,9 +3,10 @@
 use mimesh_core::{
     Result,
     mesh::Surface,
-    operators::{Gradient, gradients},
+    operators::{Gradient, blended_maps, gradients},
 };
 use nalgebra::{DMatrix, Matrix3, Matrix3x4, Point3, Vector3};
+use rayon::prelude::*;
 
 use crate::poisson::{Fit, Poisson};
 
@@ -24,6 +25,14 @@ pub(super) struct Integral {
     rest: Vec<Point3<f64>>,
     /// The vertices of each component with their shares of its area.
     components: Vec<Vec<(u32, f64)>>,
+}
+
+/// What the maps of the handles make of a pose.
+pub(super) struct Pose<'a> {
+    /// The maps.
+    pub transforms: &'a [Matrix3x4<f64>],
+    /// Where they bring y.
+    pub blend: &'a [Point3<f64>],
 }
 
 impl Integral {
@@ -57,35 +66,48 @@ impl Integral {
         })
     }
 
-    /// The target in the source's frame, for maps `transforms` that bring y to `blend`.
-    pub(super) fn positions(
-        &self,
-        weights: &DMatrix<f64>,
-        transforms: &[Matrix3x4<f64>],
-        blend: &[Point3<f64>],
-    ) -> Result<Vec<Point3<f64>>> {
+    /// How many poses are best taken together.
+    pub(super) fn at_once(&self) -> usize {
+        self.poisson.at_once()
+    }
+
+    /// The target in the source's frame, for each of several poses whose maps bring y to its `blend`.
+    pub(super) fn positions(&self, weights: &DMatrix<f64>, poses: &[Pose<'_>]) -> Vec<Result<Vec<Point3<f64>>>> {
+        let fields: Vec<Result<Vec<Matrix3<f64>>>> = poses.par_iter().map(|pose| self.field(weights, pose)).collect();
+        let sound: Vec<&[Matrix3<f64>]> = fields.iter().flatten().map(Vec::as_slice).collect();
+        let mut solutions = self.poisson.solve_all(&sound, Fit::LEAST_SQUARES).into_iter();
+        let positions = |(field, pose): (Result<Vec<Matrix3<f64>>>, &Pose<'_>)| {
+            field?;
+            let mut positions = solutions.next().expect("each field has a solution")?.positions;
+            self.place(pose.blend, &mut positions);
+            Ok(positions)
+        };
+        fields.into_iter().zip(poses).map(positions).collect()
+    }
+
+    /// The gradients of the target's triangles.
+    fn field(&self, weights: &DMatrix<f64>, pose: &Pose<'_>) -> Result<Vec<Matrix3<f64>>> {
+        let maps = blended_maps(weights, pose.transforms)?;
         let gradient = |t: usize| {
             // Weights do not change along the normal, so that there the gradient is the maps' own.
-            let corner = |v: u32| -> Matrix3<f64> {
-                let row = weights.row(v as usize);
-                row.iter().zip(transforms).map(|(w, t)| t.fixed_columns::<3>(0) * *w).sum()
-            };
             let corners = self.triangles[t];
-            let of_maps = corners.iter().map(|&v| corner(v)).sum::<Matrix3<f64>>() / 3.0;
+            let of_maps = corners.iter().map(|&v| maps[v as usize]).sum::<Matrix3<f64>>() / 3.0;
             let Some(gradient) = &self.gradients[t] else { return of_maps };
             let normal = self.normals[t];
-            gradient.of_posed(&corners.map(|v| blend[v as usize])) + of_maps * normal * normal.transpose()
+            gradient.of_posed(&corners.map(|v| pose.blend[v as usize])) + of_maps * normal * normal.transpose()
         };
-        let field: Vec<_> = (0..self.triangles.len()).map(gradient).collect();
-        let mut positions = self.poisson.solve(&field, Fit::LEAST_SQUARES)?.positions;
+        Ok((0..self.triangles.len()).map(gradient).collect())
+    }
+
+    /// Moves each component by the mean motion that the maps give it.
+    fn place(&self, blend: &[Point3<f64>], positions: &mut [Point3<f64>]) {
         for members in &self.components {
             let mean = |points: &[Point3<f64>]| -> Vector3<f64> {
                 members.iter().map(|&(v, share)| points[v as usize].coords * share).sum()
             };
             let goal = mean(&self.rest) + mean(blend) - mean(&self.places);
-            let shift = goal - mean(&positions);
+            let shift = goal - mean(positions);
             members.iter().for_each(|&(v, _)| positions[v as usize] += shift);
         }
-        Ok(positions)
     }
 }

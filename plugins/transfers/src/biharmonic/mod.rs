@@ -28,16 +28,17 @@ use mimesh_core::{
     register,
     spatial::{Orientation, Similarity},
     stage::{
-        BindInput, BoundTransfer, Clusterer, Deformer, HandleWeights, Marker, Proximity, Skin, Transfer, TransferPair,
-        Transferred, Weights, Work,
+        BindInput, BoundTransfer, Clusterer, Deformer, Fit, HandleWeights, Marker, Proximity, Skin, Transfer,
+        TransferPair, Transferred, Weights, Work,
     },
 };
 use nalgebra::Point3;
+use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use tracing::debug_span;
 
-use integral::Integral;
+use integral::{Integral, Pose};
 use residual::Residual;
 
 use crate::alignment::by_markers;
@@ -269,20 +270,48 @@ struct Bound {
 
 impl BoundTransfer for Bound {
     fn transfer(&self, posed: &[Point3<f64>]) -> Result<Transferred> {
+        self.transfer_all(&[posed]).pop().expect("one pose has one result")
+    }
+
+    fn at_once(&self) -> usize {
+        self.integral.as_ref().map_or(1, Integral::at_once)
+    }
+
+    fn transfer_all(&self, poses: &[&[Point3<f64>]]) -> Vec<Result<Transferred>> {
+        let blends: Vec<Result<(Fit, Vec<Point3<f64>>)>> = poses.par_iter().map(|posed| self.blend(posed)).collect();
+        let Some(integral) = &self.integral else {
+            return blends.into_iter().map(|blend| blend.and_then(|(fit, moved)| self.placed(fit, &moved))).collect();
+        };
+        let sound: Vec<Pose<'_>> =
+            blends.iter().flatten().map(|(fit, blend)| Pose { transforms: &fit.transforms, blend }).collect();
+        let mut moved = integral.positions(&self.weights.matrix, &sound).into_iter();
+        let transferred = |blend: Result<(Fit, Vec<Point3<f64>>)>| {
+            let (fit, _) = blend?;
+            self.placed(fit, &moved.next().expect("each pose has positions")?)
+        };
+        blends.into_iter().map(transferred).collect()
+    }
+
+    fn figures(&self) -> Figures {
+        self.figures.clone()
+    }
+}
+
+impl Bound {
+    /// The maps of the handles for a pose of the source, and where they bring the target's places, with the residual.
+    fn blend(&self, posed: &[Point3<f64>]) -> Result<(Fit, Vec<Point3<f64>>)> {
         let fit = self.skin.fit(posed)?;
         let mut moved = linear_blend(&self.weights.matrix, &fit.transforms, &self.places)?;
         if let Some(residual) = &self.residual {
             residual.add(posed, &fit.positions, &mut moved);
         }
-        if let Some(integral) = &self.integral {
-            moved = integral.positions(&self.weights.matrix, &fit.transforms, &moved)?;
-        }
+        Ok((fit, moved))
+    }
+
+    /// The target where `moved` has it in the source's frame.
+    fn placed(&self, fit: Fit, moved: &[Point3<f64>]) -> Result<Transferred> {
         let positions: Vec<_> = moved.iter().map(|q| self.target_from_source.apply(q)).collect();
         check_finite(&positions)?;
         Ok(Transferred { positions, figures: fit.figures })
-    }
-
-    fn figures(&self) -> Figures {
-        self.figures.clone()
     }
 }

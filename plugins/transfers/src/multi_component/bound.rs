@@ -7,11 +7,12 @@ use mimesh_core::{
     stage::{BoundTransfer, Motion, Transferred},
 };
 use nalgebra::{Matrix3, Point3, Vector3};
+use rayon::prelude::*;
 
 use super::{
     foot_contacts::FootContacts,
     gaps::{AllGaps, Deformation, Gap, Gaps},
-    minimum::{Directions, Minimum, Problem, minimise},
+    minimum::{Descent, Directions, Minimum, Problem},
     prior::Prior,
     rigid::Rigid,
     system::{Continued, System},
@@ -40,7 +41,28 @@ pub struct Bound {
 
 impl BoundTransfer for Bound {
     fn transfer(&self, posed: &[Point3<f64>]) -> Result<Transferred> {
-        self.solve(posed, None, &[], |positions| self.placement.apply(posed, positions))
+        self.transfer_all(&[posed]).pop().expect("one pose has one result")
+    }
+
+    fn at_once(&self) -> usize {
+        self.system.at_once()
+    }
+
+    fn transfer_all(&self, poses: &[&[Point3<f64>]]) -> Vec<Result<Transferred>> {
+        let starts = self.starts(poses);
+        let mut descents: Vec<Option<Descent<'_>>> = starts
+            .par_iter()
+            .zip(poses)
+            .map(|(start, posed)| Some(self.descent(posed, start.as_ref().ok()?, None)))
+            .collect();
+        self.descend(descents.iter_mut().flatten().collect());
+        let minima: Vec<Option<Minimum>> = descents.iter().map(|d| d.as_ref().map(Descent::minimum)).collect();
+        let transferred = |((start, posed), minimum): ((Result<Start>, &&[Point3<f64>]), Option<Minimum>)| {
+            start?;
+            let minimum = minimum.expect("each start has a minimum");
+            self.placed(&minimum, Vector3::zeros(), |positions| self.placement.apply(posed, positions))
+        };
+        starts.into_par_iter().zip(poses).zip(minima).map(transferred).collect()
     }
 
     fn motion(&self) -> Option<Box<dyn Motion + '_>> {
@@ -82,7 +104,7 @@ impl Motion for Frames<'_> {
             }
             _ => bound.placement.apply(posed, positions),
         };
-        let transferred = bound.solve(posed, start, &goals, place)?;
+        let transferred = bound.frame(posed, start, &goals, place)?;
         for k in bound.foot_contacts.at(frame) {
             stands_at[k].get_or_insert_with(|| bound.foot_contacts.place(k, &transferred.positions));
         }
@@ -91,57 +113,109 @@ impl Motion for Frames<'_> {
     }
 }
 
+/// What the steps of a pose start with.
+struct Start {
+    /// The gradients of the target's triangles (#F).
+    field: Vec<Matrix3<f64>>,
+    /// Those in which orphans continue their neighbours, where that is not `field`.
+    continued: Option<Vec<Matrix3<f64>>>,
+    /// b, where E5 draws the target.
+    prior: Option<Vec<Point3<f64>>>,
+}
+
 impl Bound {
-    /// The target when the source is at `posed`, the steps starting from `start`, foot contacts held at `held`, and put in its place
-    /// by `place`.
-    fn solve(
-        &self,
-        posed: &[Point3<f64>],
-        start: Option<&[Point3<f64>]>,
-        held: &[(usize, Vector3<f64>)],
-        place: impl FnOnce(&mut [Point3<f64>]),
-    ) -> Result<Transferred> {
-        Error::check_shape("posed source vertices (#V)", self.field.source_vertices(), posed.len())?;
-        check_finite(posed)?;
+    /// What the steps of each pose of the source start with.
+    fn starts(&self, poses: &[&[Point3<f64>]]) -> Vec<Result<Start>> {
+        let check = |posed: &&[Point3<f64>]| {
+            Error::check_shape("posed source vertices (#V)", self.field.source_vertices(), posed.len())?;
+            check_finite(posed)
+        };
+        let checked: Vec<Result<()>> = poses.iter().map(check).collect();
+        let sound: Vec<&[Point3<f64>]> =
+            poses.iter().zip(&checked).filter(|(_, c)| c.is_ok()).map(|(p, _)| *p).collect();
+        let mut priors = self.prior.as_ref().map(|prior| prior.positions(&sound).into_iter());
+        let prior = |checked: Result<()>| {
+            checked?;
+            priors.as_mut().map(|priors| priors.next().expect("each pose has a prior")).transpose()
+        };
+        let priors: Vec<Result<Option<Vec<Point3<f64>>>>> = checked.into_iter().map(prior).collect();
+        priors.into_par_iter().zip(poses).map(|(prior, posed)| Ok(self.start(posed, prior?))).collect()
+    }
+
+    /// What the steps of a pose start with, given the prior's result.
+    fn start(&self, posed: &[Point3<f64>], mut prior: Option<Vec<Point3<f64>>>) -> Start {
         let mut field = self.field.at(posed);
         if !self.continue_neighbours {
             // Continuing their neighbours is E2 as well.
             (0..field.len()).filter(|&t| self.field.is_orphan(t)).for_each(|t| field[t] = Matrix3::identity());
         }
-        let prior = match &self.prior {
-            Some(prior) => {
-                let mut positions = prior.positions(posed)?;
-                self.placement.apply(posed, &mut positions);
-                Some((prior, positions))
-            }
-            None => None,
-        };
         let mut continued = None;
-        if let Some((prior, b)) = &prior {
+        if let (Some(prior), Some(b)) = (&self.prior, &mut prior) {
+            self.placement.apply(posed, b);
             let mut before = field.clone();
             self.rigid.stiffen(&mut before);
             continued = Some(before);
             prior.fill(b, &mut field, |t| self.field.is_orphan(t));
         }
         self.rigid.stiffen(&mut field);
-        let continued = match self.continuation {
-            Continuation::Gradients => Continued::Alike,
-            Continuation::Rotations => Continued::As(continued.as_deref().unwrap_or(&field)),
-        };
-        let start = start.or(prior.as_ref().map(|(_, b)| &b[..]));
-        let (problem, first) = self.problem(posed, &field, continued, prior.as_ref().map(|(p, b)| (*p, &b[..])), start);
-        let Minimum { mut x, mut energy, steps, converged, movement } =
-            minimise(&problem, first, self.max_steps, self.tolerance);
-        let hold = |x: &mut Vec<f64>| {
-            if held.is_empty() { None } else { Some(self.foot_contacts.hold(held, &self.system, x)) }
-        };
-        let mut shift = hold(&mut x);
-        if held.len() > 1 && problem.turns() {
-            // Contacts bend the target, and what bends turns on. That is no more than a few steps away.
-            (energy, shift) = problem.settle(&mut x, self.max_steps, self.tolerance, hold);
+        Start { field, continued, prior }
+    }
+
+    /// The steps of a pose, which begin at `now`, or else at the prior's result.
+    fn descent<'a>(&'a self, posed: &[Point3<f64>], start: &'a Start, now: Option<&[Point3<f64>]>) -> Descent<'a> {
+        let (problem, first) = self.problem(posed, start, now);
+        Descent::new(problem, first, self.max_steps, self.tolerance)
+    }
+
+    /// Takes the steps of poses to their ends, with each solve for all of them.
+    fn descend(&self, mut descents: Vec<&mut Descent<'_>>) {
+        loop {
+            descents.retain(|descent| descent.asks().is_some());
+            if descents.is_empty() {
+                break;
+            }
+            let mut solutions: Vec<f64> =
+                descents.iter().filter_map(|descent| descent.asks()).flatten().copied().collect();
+            self.system.solve_in_place(&mut solutions);
+            let solutions = solutions.par_chunks(solutions.len() / descents.len());
+            descents.par_iter_mut().zip(solutions).for_each(|(descent, solution)| descent.advance(solution.to_vec()));
         }
-        let mut positions = self.system.positions(&x);
-        positions.iter_mut().for_each(|p| *p += shift.unwrap_or_default());
+    }
+
+    /// The target at a frame of a motion, the steps starting from `now`, foot contacts held at `held`, and put in its place by `place`.
+    fn frame(
+        &self,
+        posed: &[Point3<f64>],
+        now: Option<&[Point3<f64>]>,
+        held: &[(usize, Vector3<f64>)],
+        place: impl FnOnce(&mut [Point3<f64>]),
+    ) -> Result<Transferred> {
+        let start = self.starts(&[posed]).pop().expect("one pose has one start")?;
+        let mut descent = self.descent(posed, &start, now);
+        self.descend(vec![&mut descent]);
+        let mut minimum = descent.minimum();
+        let mut shift = Vector3::zeros();
+        if !held.is_empty() {
+            let hold = |x: &mut Vec<f64>| self.foot_contacts.hold(held, &self.system, x);
+            shift = hold(&mut minimum.x);
+            if held.len() > 1 && descent.problem.turns() {
+                // Contacts bend the target, and what bends turns on. That is no more than a few steps away.
+                (minimum.energy, shift) = descent.problem.settle(&mut minimum.x, self.max_steps, self.tolerance, hold);
+            }
+        }
+        self.placed(&minimum, shift, place)
+    }
+
+    /// The target where the steps of a pose ended, put in its place by `place`.
+    fn placed(
+        &self,
+        minimum: &Minimum,
+        shift: Vector3<f64>,
+        place: impl FnOnce(&mut [Point3<f64>]),
+    ) -> Result<Transferred> {
+        let &Minimum { ref x, energy, steps, converged, movement } = minimum;
+        let mut positions = self.system.positions(x);
+        positions.iter_mut().for_each(|p| *p += shift);
         self.rigid.fit(&mut positions);
         place(&mut positions);
         check_finite(&positions)?;
@@ -168,11 +242,16 @@ impl Bound {
     fn problem<'a>(
         &'a self,
         posed: &[Point3<f64>],
-        field: &'a [Matrix3<f64>],
-        continued: Continued<'a>,
-        prior: Option<(&'a Prior, &'a [Point3<f64>])>,
-        start: Option<&[Point3<f64>]>,
+        start: &'a Start,
+        now: Option<&[Point3<f64>]>,
     ) -> (Problem<'a>, Directions) {
+        let Start { field, continued, prior } = start;
+        let continued = match self.continuation {
+            Continuation::Gradients => Continued::Alike,
+            Continuation::Rotations => Continued::As(continued.as_deref().unwrap_or(field)),
+        };
+        let prior = self.prior.as_ref().zip(prior.as_deref());
+        let start = now.or(prior.map(|(_, b)| b));
         let similarity = &self.placement.alignment.target_from_source;
         let gaps = &self.gaps.gaps;
         let deformations = self.gaps.deformations(self.gaps_keep, field, self.field.source(), posed, similarity);

@@ -137,7 +137,7 @@ struct Place {
     energy: f64,
 }
 
-/// Lowers the energy of `problem`, starting with the directions `first`, by at most `max_steps` solves with the matrix A.
+/// The steps that lower the energy of a pose. They stop wherever A is to be solved with, so that poses can be solved for together.
 ///
 /// A step with directions held minimises a quadratic that lies above the energy and touches it, so the energy falls; but A
 /// resists turns that the energy is free in, and a chain of orphans turns slowly. So conjugate gradients go on from that step
@@ -145,57 +145,134 @@ struct Place {
 /// factored, as the preconditioner. They end early where the energy itself rises, and never take a point higher than the first
 /// step's. The steps have come to rest once neither the step with directions held nor the way to the minimum of the model is
 /// longer than `tolerance` diagonals.
-pub fn minimise(problem: &Problem<'_>, first: Directions, max_steps: usize, tolerance: f64) -> Minimum {
-    let system = problem.system;
-    let ax = problem.right_hand_side(&first);
-    let x = solved(system, &ax);
-    let mut at = Place { energy: problem.energy(&x), x, ax };
-    let (mut steps, mut movement, mut held) = (1, f64::INFINITY, first);
-    let mut converged = !problem.turns();
-    while !converged && steps < max_steps {
-        held = problem.directions(&at.x, &held);
-        let right = problem.right_hand_side(&held);
-        let residual = combined(&right, -1.0, &at.ax);
-        let step = solved(system, &residual);
-        steps += 1;
-        let x = combined(&at.x, 1.0, &step);
-        let plain = Place { energy: problem.energy(&x), x, ax: right };
-        let mut model = Model::new(problem, &at, residual, step);
-        let mut best = plain;
-        let ended = loop {
-            if !model.advance() {
-                break true;
-            }
-            let candidate = model.place(&at);
-            if candidate.energy > best.energy * (1.0 + ROUNDING) && model.iterations > 1 {
-                break false;
-            }
-            if candidate.energy <= best.energy {
-                best = candidate;
-            }
-            if steps == max_steps {
-                break false;
-            }
-            steps += 1;
-            if model.prepare() {
-                break true;
-            }
-        };
-        movement = system.longest(&model.first_step).max(system.longest(&model.way)) / system.diagonal();
-        converged = ended && movement <= tolerance;
-        if best.energy <= at.energy * (1.0 + ROUNDING) {
-            at = best;
-        } else {
-            // Only rounding raises the energy of a step.
-            converged = true;
+pub struct Descent<'a> {
+    pub problem: Problem<'a>,
+    max_steps: usize,
+    tolerance: f64,
+    /// The directions of the last step.
+    held: Directions,
+    steps: usize,
+    movement: f64,
+    /// The point reached; `None` before the first solve.
+    at: Option<Place>,
+    /// What the next solve is for.
+    next: Next,
+}
+
+/// What a solve is for.
+enum Next {
+    /// The point to start from, for this right-hand side.
+    Start(Vec<f64>),
+    /// A step with directions held: the right-hand side there, and what is left of it at the point reached.
+    Step { right: Vec<f64>, residual: Vec<f64> },
+    /// The next direction of conjugate gradients, beside the lowest point so far.
+    Direction(Box<(Model, Place)>),
+    /// Nothing: the steps have ended, and may have come to rest.
+    End { converged: bool },
+}
+
+impl<'a> Descent<'a> {
+    /// Starts with the directions `first`, for at most `max_steps` solves.
+    pub fn new(problem: Problem<'a>, first: Directions, max_steps: usize, tolerance: f64) -> Self {
+        let next = Next::Start(problem.right_hand_side(&first));
+        Self { problem, max_steps, tolerance, held: first, steps: 0, movement: f64::INFINITY, at: None, next }
+    }
+
+    /// The right-hand side whose solution [`advance`](Self::advance) wants; `None` once the steps have ended.
+    pub fn asks(&self) -> Option<&[f64]> {
+        match &self.next {
+            Next::Start(right) => Some(right),
+            Next::Step { residual, .. } => Some(residual),
+            Next::Direction(under_way) => Some(&under_way.0.residual),
+            Next::End { .. } => None,
         }
     }
-    Minimum { x: at.x, energy: at.energy, steps, converged, movement }
+
+    /// Goes on with the solution of what it [asks](Self::asks), until it asks for another.
+    pub fn advance(&mut self, solution: Vec<f64>) {
+        self.steps += 1;
+        match std::mem::replace(&mut self.next, Next::End { converged: false }) {
+            Next::Start(ax) => {
+                self.at = Some(Place { energy: self.problem.energy(&solution), x: solution, ax });
+                self.step(!self.problem.turns());
+            }
+            Next::Step { right, residual } => {
+                let at = self.at.as_ref().expect("steps come after the start");
+                let x = combined(&at.x, 1.0, &solution);
+                let best = Place { energy: self.problem.energy(&x), x, ax: right };
+                let model = Model::new(&self.problem, at, residual, solution);
+                self.go_along(Box::new((model, best)));
+            }
+            Next::Direction(mut under_way) => {
+                if under_way.0.turn(&solution) {
+                    self.end_step(*under_way, true);
+                } else {
+                    self.go_along(under_way);
+                }
+            }
+            Next::End { .. } => unreachable!("nothing was asked for"),
+        }
+    }
+
+    /// Where the steps have ended.
+    ///
+    /// # Panics
+    ///
+    /// Before the first solve.
+    pub fn minimum(&self) -> Minimum {
+        let at = self.at.as_ref().expect("the steps have started");
+        let converged = matches!(self.next, Next::End { converged: true });
+        Minimum { x: at.x.clone(), energy: at.energy, steps: self.steps, converged, movement: self.movement }
+    }
+
+    /// Asks for a step with directions held, unless the steps have ended.
+    fn step(&mut self, converged: bool) {
+        if converged || self.steps >= self.max_steps {
+            self.next = Next::End { converged };
+            return;
+        }
+        let at = self.at.as_ref().expect("steps come after the start");
+        self.held = self.problem.directions(&at.x, &self.held);
+        let right = self.problem.right_hand_side(&self.held);
+        let residual = combined(&right, -1.0, &at.ax);
+        self.next = Next::Step { right, residual };
+    }
+
+    /// Goes along the direction of the model, and asks for the next one unless the step has ended.
+    fn go_along(&mut self, mut under_way: Box<(Model, Place)>) {
+        let (model, best) = &mut *under_way;
+        if !model.advance(&self.problem) {
+            return self.end_step(*under_way, true);
+        }
+        let candidate = model.place(&self.problem, self.at.as_ref().expect("steps come after the start"));
+        if candidate.energy > best.energy * (1.0 + ROUNDING) && model.iterations > 1 {
+            return self.end_step(*under_way, false);
+        }
+        if candidate.energy <= best.energy {
+            *best = candidate;
+        }
+        if self.steps == self.max_steps {
+            return self.end_step(*under_way, false);
+        }
+        self.next = Next::Direction(under_way);
+    }
+
+    /// Takes the lowest point of a step, and goes on to the next step; `ended` says whether the minimum of the model was reached.
+    fn end_step(&mut self, (model, best): (Model, Place), ended: bool) {
+        let system = self.problem.system;
+        self.movement = system.longest(&model.first_step).max(system.longest(&model.way)) / system.diagonal();
+        let at = self.at.as_mut().expect("steps come after the start");
+        let is_lower = best.energy <= at.energy * (1.0 + ROUNDING);
+        if is_lower {
+            *at = best;
+        }
+        // Only rounding raises the energy of a step.
+        self.step(!is_lower || ended && self.movement <= self.tolerance);
+    }
 }
 
 /// Conjugate gradients on (A − B) w = r, preconditioned by A.
-struct Model<'a> {
-    problem: &'a Problem<'a>,
+struct Model {
     /// B: by how much A is stiffer than the energy, sideways of gaps and of details.
     gaps: Vec<Sideways>,
     details: Vec<Sideways>,
@@ -212,11 +289,10 @@ struct Model<'a> {
     iterations: usize,
 }
 
-impl<'a> Model<'a> {
-    fn new(problem: &'a Problem<'a>, at: &Place, residual: Vec<f64>, step: Vec<f64>) -> Self {
+impl Model {
+    fn new(problem: &Problem<'_>, at: &Place, residual: Vec<f64>, step: Vec<f64>) -> Self {
         let square = dot(&residual, &step);
         Self {
-            problem,
             gaps: problem.sideways_of_gaps(&at.x),
             details: problem.system.sideways_of_details(&problem.system.positions(&at.x)),
             way: vec![0.0; step.len()],
@@ -232,9 +308,9 @@ impl<'a> Model<'a> {
     }
 
     /// Goes on along the direction; `false` where nothing is left to gain.
-    fn advance(&mut self) -> bool {
+    fn advance(&mut self, problem: &Problem<'_>) -> bool {
         let mut product = self.a_direction.clone();
-        self.subtract_sideways(&mut product);
+        self.subtract_sideways(problem, &mut product);
         let curvature = dot(&self.direction, &product);
         let along_a = dot(&self.direction, &self.a_direction);
         // Where the model is flat it says nothing.
@@ -249,35 +325,34 @@ impl<'a> Model<'a> {
         true
     }
 
-    /// The next direction, by one solve; whether the residual is small enough already.
-    fn prepare(&mut self) -> bool {
-        let step = solved(self.problem.system, &self.residual);
-        let square = dot(&self.residual, &step);
+    /// The next direction, given A⁻¹ r; whether the residual is small enough already.
+    fn turn(&mut self, step: &[f64]) -> bool {
+        let square = dot(&self.residual, step);
         let share = square / self.square;
         self.square = square;
-        self.direction = combined(&step, share, &self.direction);
+        self.direction = combined(step, share, &self.direction);
         self.a_direction = combined(&self.residual, share, &self.a_direction);
         square <= FORCING * FORCING * self.first_square
     }
 
     /// The end of the way from `at`.
-    fn place(&self, at: &Place) -> Place {
+    fn place(&self, problem: &Problem<'_>, at: &Place) -> Place {
         let x = combined(&at.x, 1.0, &self.way);
-        Place { energy: self.problem.energy(&x), ax: combined(&at.ax, 1.0, &self.a_way), x }
+        Place { energy: problem.energy(&x), ax: combined(&at.ax, 1.0, &self.a_way), x }
     }
 
     /// Subtracts B times the direction.
-    fn subtract_sideways(&self, product: &mut [f64]) {
+    fn subtract_sideways(&self, problem: &Problem<'_>, product: &mut [f64]) {
         let n = product.len() / 3;
         let at = |v: u32| Vector3::from_fn(|c, _| self.direction[c * n + v as usize]);
-        for (gap, sideways) in self.problem.gaps.iter().zip(&self.gaps) {
+        for (gap, sideways) in problem.gaps.iter().zip(&self.gaps) {
             let force = sideways.of(at(gap.ends[0]) - at(gap.ends[1]));
             for c in 0..3 {
                 product[c * n + gap.ends[0] as usize] -= force[c];
                 product[c * n + gap.ends[1] as usize] += force[c];
             }
         }
-        self.problem.system.subtract_sideways_of_details(&self.details, &self.direction, product);
+        problem.system.subtract_sideways_of_details(&self.details, &self.direction, product);
     }
 }
 

@@ -51,9 +51,10 @@ impl Prior {
         })
     }
 
-    /// b when the source is at `posed`.
-    pub fn positions(&self, posed: &[Point3<f64>]) -> Result<Vec<Point3<f64>>> {
-        Ok(self.transfer.transfer(posed)?.positions)
+    /// b when the source is at each of `poses`.
+    pub fn positions(&self, poses: &[&[Point3<f64>]]) -> Vec<Result<Vec<Point3<f64>>>> {
+        let at_once = poses.chunks(self.transfer.at_once()).flat_map(|poses| self.transfer.transfer_all(poses));
+        at_once.map(|transferred| Ok(transferred?.positions)).collect()
     }
 
     /// Gives orphans the deformation gradients of b.

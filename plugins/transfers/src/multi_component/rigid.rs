@@ -33,19 +33,21 @@ impl Rigid {
         }
         chosen.sort_unstable();
         chosen.dedup();
-        let mass = voronoi_mass(&target.positions, &target.triangles);
-        let areas = target.area_normals(&target.positions);
-        let of = |c: u32| Body {
-            triangles: (0..target.triangles.len())
-                .filter(|&t| components.of_vertex[target.triangles[t][0] as usize] == Some(c))
-                .map(|t| (t as u32, areas[t].norm()))
-                .collect(),
-            vertices: (0..mass.len())
-                .filter(|&v| components.of_vertex[v] == Some(c))
-                .map(|v| (v as u32, mass[v]))
-                .collect(),
-        };
-        Ok(Self { bodies: chosen.into_iter().map(of).collect(), rest: target.positions.clone() })
+        let mut place = vec![None; components.count()];
+        chosen.iter().enumerate().for_each(|(k, &c)| place[c as usize] = Some(k));
+        let mut bodies: Vec<Body> = chosen.iter().map(|_| Body { triangles: vec![], vertices: vec![] }).collect();
+        let body = |v: usize| components.of_vertex[v].and_then(|c| place[c as usize]);
+        for (t, normal) in target.area_normals(&target.positions).iter().enumerate() {
+            if let Some(k) = body(target.triangles[t][0] as usize) {
+                bodies[k].triangles.push((t as u32, normal.norm()));
+            }
+        }
+        for (v, mass) in voronoi_mass(&target.positions, &target.triangles).into_iter().enumerate() {
+            if let Some(k) = body(v) {
+                bodies[k].vertices.push((v as u32, mass));
+            }
+        }
+        Ok(Self { bodies, rest: target.positions.clone() })
     }
 
     /// Number of rigid components.

@@ -2,7 +2,7 @@
 
 use mimesh_core::{
     Result,
-    linalg::{Assembly, Cholesky},
+    linalg::{Assembly, Multifrontal},
     mesh::Surface,
     operators::{Gradient, Tetrahedron, cotangent_laplacian, gradients},
     stage::ProximityGraph,
@@ -22,10 +22,13 @@ const DEGENERATE_WEIGHT: f64 = 1e-4;
 /// How strongly the edges of every triangle are held, too weakly to be felt where anything else holds them.
 const REGULARIZATION_WEIGHT: f64 = 1e-9;
 
+/// Up to this many unknowns eight poses are solved for at once. What their steps keep then takes no more than 1 GB.
+const MAX_UNKNOWNS_OF_EIGHT: usize = 300_000;
+
 /// E1 + E2 + E3 + E4 with directions held: one matrix, factored once.
 #[derive(Debug)]
 pub struct System {
-    cholesky: Cholesky,
+    factor: Multifrontal,
     rest: Vec<Point3<f64>>,
     diagonal: f64,
     triangles: Vec<[u32; 3]>,
@@ -210,9 +213,9 @@ impl System {
         let known = |t: usize| {
             gradients[t].filter(|_| !is_orphan(t)).map(|g| (g, weights.gradient * weights.of_triangle(g.area)))
         };
-        let cholesky = Cholesky::new(assembly.finish(), "the system of the target's components")?;
+        let factor = Multifrontal::factored(&assembly.finish(), "the system of the target's components")?;
         Ok(Self {
-            cholesky,
+            factor,
             rest: target.positions.clone(),
             diagonal: target.diagonal(),
             triangles: target.triangles.clone(),
@@ -278,9 +281,14 @@ impl System {
         x
     }
 
-    /// Replaces a right-hand side by the unknowns that solve it.
+    /// How many poses are best solved for together: as many as share a pass over the factor and have room in memory.
+    pub fn at_once(&self) -> usize {
+        if self.unknowns <= MAX_UNKNOWNS_OF_EIGHT { 8 } else { 2 }
+    }
+
+    /// Replaces right-hand sides, one after another, by the unknowns that solve them; none depends on the others.
     pub fn solve_in_place(&self, x: &mut [f64]) {
-        self.cholesky.solve_in_place(x, 3);
+        self.factor.solve_in_place(x);
     }
 
     /// The longest way of a vertex in a difference of unknowns.
@@ -297,7 +305,7 @@ impl System {
     pub fn response(&self, points: &[(u32, f64)]) -> Vec<f64> {
         let mut x = vec![0.0; self.unknowns];
         points.iter().for_each(|&(v, weight)| x[v as usize] += weight);
-        self.cholesky.solve_in_place(&mut x, 1);
+        self.factor.solve_in_place(&mut x);
         x
     }
 

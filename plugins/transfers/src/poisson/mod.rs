@@ -136,19 +136,10 @@ impl Poisson {
         }
     }
 
-    /// The posed vertices for the field `field` (#F).
+    /// The posed vertices for each of `fields` (#F).
     ///
     /// The first corner of the first triangle of each component stays where it is at rest; of vertices without a triangle this
-    /// says nothing.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::Singular`](mimesh_core::Error::Singular) if weights have become too uneven to be solved.
-    pub fn solve(&self, field: &[Matrix3<f64>], fit: Fit) -> Result<Solution> {
-        self.solve_all(&[field], fit).pop().expect("one field has one solution")
-    }
-
-    /// Like [`solve`](Self::solve), for each of `fields`.
+    /// says nothing. A solution is [`Error::Singular`](mimesh_core::Error::Singular) if weights have become too uneven to be solved.
     pub fn solve_all(&self, fields: &[&[Matrix3<f64>]], fit: Fit) -> Vec<Result<Solution>> {
         let mut solutions = Vec::with_capacity(fields.len());
         for fields in fields.chunks(self.at_once()) {
