@@ -1,8 +1,9 @@
 //! Sparse symmetric positive definite systems: assembled once, factored when values change, solved often.
 //!
 //! Matrices are `nalgebra_sparse` CSC matrices that hold the lower triangle; faer factors them, or several at once
-//! [in lanes](LaneCholesky). Large Laplacians are solved [on several grids](Multigrid). Everything here runs on the calling thread: callers spread right-hand sides, poses and handles over
-//! threads themselves, which measures faster than threads inside a factorisation. Only [`Blocks`] and
+//! [in lanes](LaneCholesky). Large Laplacians are solved [on several grids](Multigrid). Everything here runs on the calling thread:
+//! callers spread right-hand sides, poses and handles over threads themselves, which measures faster than threads inside a
+//! factorisation. Only [`Blocks`], [`Multifrontal`] and
 //! [`FixedUnknowns::for_refactoring`] use the threads there are.
 
 mod assembly;

@@ -21,7 +21,8 @@ use self::{
 use super::symbolic::{analyse, singular};
 use crate::{Error, Result};
 
-/// A sparse Cholesky factorisation A = L Lᵀ whose values change often, ordered by approximate minimum degree.
+/// A sparse Cholesky factorisation A = L Lᵀ whose values change often, or which is solved with for several right-hand sides at once,
+/// ordered by approximate minimum degree.
 ///
 /// Every column is eliminated in a small dense matrix, its front, with others of nearly the same rows; what a front leaves is added
 /// to the front above. Fronts of separate trees run beside each other. Which trees these are, and the order in which fronts add
