@@ -27,8 +27,12 @@ pub fn keep_sides(
     limit: f64,
     points: &mut [Option<SurfacePoint>],
 ) {
-    let (of_source, of_target) = (along_seams(pair.source), along_seams(pair.target));
-    if of_source.is_empty() || of_target.is_empty() {
+    let of_source = along_seams(pair.source);
+    if of_source.is_empty() {
+        return;
+    }
+    let of_target = along_seams(pair.target);
+    if of_target.is_empty() {
         return;
     }
     let around_target = pair.target.triangles_around();

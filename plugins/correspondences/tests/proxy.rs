@@ -72,14 +72,12 @@ fn a_proxy_gives_what_the_target_gives_itself() {
     let pair = TransferPair { source: &source, target: &target, markers: &markers, proximity: None };
     let itself = direct().correspond(pair).unwrap();
     let expected = places(&itself, &source);
-    let mut before = f64::INFINITY;
     for vertices in [700, 2500] {
         let map = by_proxy(vertices).correspond(pair).unwrap();
         assert_eq!(map.orphan_count(), itself.orphan_count(), "nothing is lost");
         let off = mean_distance(&places(&map, &source), &expected) / source.diagonal();
-        // The fit of a coarser mesh of the same shape differs by as much; it falls with the length of an edge or faster.
-        assert!(off < 5e-3 && off < 0.7 * before, "{vertices}: {off} diagonals, {before} before");
-        before = off;
+        // E_S of other triangles is another energy; between markers the fit slides by some of it. An edge of the target is 0.02 long.
+        assert!(off < 2e-3, "{vertices}: {off} diagonals");
     }
 }
 

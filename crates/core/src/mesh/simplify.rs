@@ -16,13 +16,22 @@ const TO_MIDDLE: f64 = 1e-6;
 /// The smallest product of the unit normals of a triangle before and after.
 const MIN_FACING: f64 = 0.2;
 
+/// Larger surfaces are simplified in rounds first: the queue of their edges would not fit into the caches.
+const LARGE: usize = 100_000;
+
+/// Rounds end at so many times the vertices asked for.
+const AFTER_ROUNDS: f64 = 1.5;
+
+/// The part of the edges that a round looks at, those that cost least.
+const ROUND: f64 = 0.5;
+
 /// Triangles do not become flatter than this relative height.
 const MIN_RELATIVE_HEIGHT: f64 = 0.05;
 
 /// `surface` with about `vertices` vertices, by collapses of edges [Garland and Heckbert 1997].
 ///
 /// An edge becomes the point of least squared distance to the planes around it, weighted by area; planes across a boundary hold that.
-/// The edge that costs least goes first. A collapse neither turns a triangle round nor changes the topology: what is closed stays
+/// The edge that costs least goes first; on large surfaces, the edges of the cheaper half in each of some rounds. A collapse neither turns a triangle round nor changes the topology: what is closed stays
 /// closed, and components stay apart. Edges at which more than two triangles meet stay, so that more vertices than asked for may
 /// remain.
 ///
@@ -50,12 +59,15 @@ pub fn simplify_keeping(surface: &Surface, vertices: usize, kept: &[u32]) -> Res
     }
     let unit = surface.positions.iter().map(|p| Point3::from((p - centre) / diagonal)).collect();
     let mut mesh = Collapsing::new(unit, surface.triangles.clone(), kept);
-    let mut edges: Vec<[u32; 2]> = surface.triangles.iter().flat_map(sides).collect();
+    let mut left = surface.vertex_count();
+    if left > LARGE {
+        left = mesh.collapse_in_rounds(left, (AFTER_ROUNDS * vertices as f64) as usize);
+    }
+    let mut edges: Vec<[u32; 2]> = mesh.triangles.iter().flatten().flat_map(sides).collect();
     edges.sort_unstable();
     edges.dedup();
     let mut queue: BinaryHeap<_> = edges.iter().filter_map(|&edge| mesh.candidate(edge).map(Reverse)).collect();
     drop(edges);
-    let mut left = surface.vertex_count();
     while left > vertices
         && let Some(Reverse(candidate)) = queue.pop()
     {
@@ -264,6 +276,38 @@ impl Collapsing {
             changes,
             place,
         })
+    }
+
+    /// Collapses edges until about `vertices` of the `left` vertices are left, and returns how many are.
+    ///
+    /// Each round takes costs once. It goes through the edges of the cheaper half by their costs, and leaves out those at which another has
+    /// collapsed before.
+    fn collapse_in_rounds(&mut self, mut left: usize, vertices: usize) -> usize {
+        while left > vertices {
+            let directed = |&[a, b, c]: &[u32; 3]| [[a, b], [b, c], [c, a]];
+            // Once each, in whose direction it ascends; those of boundaries that descend wait for the end.
+            let edges = self.triangles.iter().flatten().flat_map(directed).filter(|[from, to]| from < to);
+            let mut candidates: Vec<Candidate> = edges.filter_map(|edge| self.candidate(edge)).collect();
+            let count = (ROUND * candidates.len() as f64) as usize;
+            if count == 0 {
+                break;
+            }
+            candidates.select_nth_unstable(count);
+            candidates.truncate(count);
+            candidates.sort_unstable();
+            let before = left;
+            for candidate in &candidates {
+                if left > vertices && self.is_current(candidate) && self.allows(candidate) {
+                    self.collapse(candidate);
+                    left -= 1;
+                }
+            }
+            // What is left is hard to collapse.
+            if before - left < before / 50 {
+                break;
+            }
+        }
+        left
     }
 
     fn is_current(&self, candidate: &Candidate) -> bool {

@@ -1,15 +1,15 @@
 //! Which unknowns are joined, and how a coarse solution is taken to fine ones.
 
-use super::{cycle::Prolongation, rows::Rows};
+use super::{
+    cycle::{COARSEST, Prolongation},
+    rows::Rows,
+};
 
 /// Unknowns i and j are joined if a_ij² is more than this part of a_ii a_jj.
 const STRONG: f32 = 1.6e-3;
 
 /// ω of P = (I − ω D⁻¹ A) P₀: 4/3 over the largest eigenvalue of D⁻¹ A, about 2 for a Laplacian of triangles.
 const SMOOTHING: f32 = 0.66;
-
-/// A matrix of at most so many rows is not coarsened.
-pub(super) const COARSEST: usize = 600;
 
 /// So many times at most.
 const MAX_LEVELS: usize = 12;

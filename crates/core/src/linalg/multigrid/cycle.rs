@@ -1,10 +1,10 @@
 //! A V-cycle: smoothing by Gauss and Seidel on every level, forwards on the way down and backwards on the way up, so that it is
 //! symmetric.
 
-use super::{
-    aggregates::COARSEST,
-    rows::{Row, Rows},
-};
+use super::rows::{Row, Rows};
+
+/// A matrix of at most so many rows is not coarsened, but factored.
+pub(super) const COARSEST: usize = 600;
 
 /// Takes solutions from a coarse level to a fine one, and residuals back.
 #[derive(Clone, Debug)]

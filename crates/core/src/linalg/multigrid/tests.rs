@@ -61,8 +61,8 @@ fn solutions_are_those_of_a_factorisation_and_take_few_steps() {
             for (tolerance, limit) in [(1e-3, 0.05), (1e-20, 1e-8)] {
                 let mut x = vec![[0.0; 3]; b.len()];
                 let steps = multigrid.conjugate_gradients(&mut grids, &values, &b, &mut x, tolerance).unwrap();
-                // A step lowers the error to 0.3 or less; the square of the error falls to the tolerance.
-                assert!(steps < 40 && (steps < 16 || tolerance < 1e-3), "{steps}");
+                // A step lowers the error to 0.6 or less; the square of the error falls to the tolerance.
+                assert!(steps < 60 && (steps < 16 || tolerance < 1e-3), "{steps}");
                 assert!(far(&x, &expected) < limit, "{tolerance}: {}", far(&x, &expected));
                 // With its solution as the guess there is nothing to do.
                 assert!(multigrid.solve(&mut grids, &values, &b, &mut x, tolerance));
