@@ -75,8 +75,8 @@ def closest(runner, folder, size):
     (shape.vertices + moved).astype("<f8").tofile(queries)
     files = {"mesh": str(mesh), "points": str(queries)}
     peers = [
-        ("libigl", {"function": "igl_closest", **files}, checks.equal_distances),
-        ("trimesh", {"function": "trimesh_closest", **files}, checks.equal_distances),
+        ("libigl", {"function": "igl_closest", **files}, checks.as_near),
+        ("trimesh", {"function": "trimesh_closest", **files}, checks.as_near),
     ]
     yield Case("closest points", f"{vertices:,} v", {"task": "closest", **files}, peers)
 

@@ -44,13 +44,14 @@ def equal_weights(tolerance):
     return check
 
 
-def equal_distances(ours, peers, job):
-    """Points found are equally near. Where several are, either may be found."""
+def as_near(ours, peers, job):
+    """Points found are as near as the peer's. Where several are, either may be found. trimesh is exact to some 1e-8."""
     queries, diagonal = points(job["points"]), Mesh(job["mesh"]).diagonal()
-    near = [numpy.linalg.norm(points(path) - queries, axis=1) for path in (ours, peers)]
-    difference = numpy.abs(near[0] - near[1]).max() / diagonal
-    # Rounding of single precision is not allowed for; both compute in double.
-    return f"distances differ by {difference:.0e} diagonals", bool(difference <= 1e-9)
+    near = [numpy.linalg.norm(points(path) - queries, axis=1) / diagonal for path in (ours, peers)]
+    farther, difference = (near[0] - near[1]).max(), numpy.abs(near[0] - near[1]).max()
+    said = f"at most {max(farther, 0):.0e} diagonals farther, distances differ by {difference:.0e}"
+    # Both compute in double precision.
+    return said, bool(farther <= 1e-9 and difference <= 1e-6)
 
 
 def close_distances(ours, peers, job):
@@ -111,15 +112,13 @@ def equal_vertices(tolerance):
 
 
 def reads_back(ours, peers, job):
-    """Both files have the vertices of the mesh, read by one reader. trimesh writes eight decimals."""
+    """Both files have the vertices of the mesh, read by one reader; ours in single precision at least, the peer's in six digits."""
     import trimesh
 
-    vertices, said = Mesh(job["mesh"]).vertices, []
+    vertices, off = Mesh(job["mesh"]).vertices, []
     for path in (ours, peers):
         read = numpy.asarray(trimesh.load(path, process=False, maintain_order=True).vertices)
         if read.shape != vertices.shape:
             return f"{path} has {len(read)} vertices, not {len(vertices)}", False
-        said.append(float(numpy.abs(read - vertices).max()))
-    return f"vertices are off by {said[0]:.0e}, the peer's by {said[1]:.0e}", max(said) <= 1e-6
-
-
+        off.append(float(numpy.abs(read - vertices).max() / numpy.abs(vertices).max()))
+    return f"vertices are off by {off[0]:.0e}, the peer's by {off[1]:.0e}", off[0] <= 1e-7 and off[1] <= 1e-5

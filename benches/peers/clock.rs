@@ -13,7 +13,7 @@ pub struct Clock {
 impl Clock {
     /// Runs a phase and notes its seconds: CPU time of all threads, and wall time.
     pub fn phase<T>(&mut self, name: &str, run: impl FnOnce() -> T) -> T {
-        self.resident = self.resident.or_else(resident);
+        self.resident = self.resident.or_else(|| memory("VmRSS:"));
         let (cpu, wall) = (ProcessTime::now(), Instant::now());
         let result = run();
         let phase = json!({ "cpu": cpu.elapsed().as_secs_f64(), "wall": wall.elapsed().as_secs_f64() });
@@ -21,15 +21,17 @@ impl Clock {
         result
     }
 
-    /// What was measured. `resident` is the memory before the first phase in bytes, where the system tells.
+    /// What was measured. `resident` is the memory before the first phase and `peak` the most so far, in bytes, where the system tells.
     pub fn report(self, about: Value) -> Value {
-        json!({ "phases": self.phases, "resident": self.resident, "about": about })
+        let peak = memory("VmHWM:");
+        json!({ "phases": self.phases, "resident": self.resident, "peak": peak, "about": about })
     }
 }
 
-/// The memory that the process has, bytes.
-fn resident() -> Option<u64> {
+/// The memory of the process, bytes, by its name in `/proc`. What the parent of a process learns includes memory that it had itself
+/// when it started the process.
+fn memory(name: &str) -> Option<u64> {
     let status = fs::read_to_string("/proc/self/status").ok()?;
-    let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"))?;
+    let line = status.lines().find_map(|line| line.strip_prefix(name))?;
     Some(1024 * line.split_whitespace().next()?.parse::<u64>().ok()?)
 }

@@ -24,18 +24,18 @@ class phase:
 
     def __enter__(self):
         global RESIDENT
-        RESIDENT = RESIDENT or resident()
+        RESIDENT = RESIDENT or memory("VmRSS:")
         self.cpu, self.wall = time.process_time(), time.perf_counter()
 
     def __exit__(self, *_):
         PHASES[self.name] = {"cpu": time.process_time() - self.cpu, "wall": time.perf_counter() - self.wall}
 
 
-def resident():
-    """The memory that the process has, bytes."""
+def memory(name):
+    """The memory of the process, bytes, by its name in /proc; the memory that a parent learns of includes its own."""
     status = Path("/proc/self/status")
     lines = status.read_text().splitlines() if status.is_file() else []
-    return next((1024 * int(line.split()[1]) for line in lines if line.startswith("VmRSS:")), None)
+    return next((1024 * int(line.split()[1]) for line in lines if line.startswith(name)), None)
 
 
 def igl_bbw(job):
@@ -174,4 +174,4 @@ def igl_write(job):
 if __name__ == "__main__":
     task = json.loads(Path(sys.argv[1]).read_text())
     globals()[task.pop("function")](task)
-    print(json.dumps({"phases": PHASES, "resident": RESIDENT, "about": None}))
+    print(json.dumps({"phases": PHASES, "resident": RESIDENT, "peak": memory("VmHWM:"), "about": None}))

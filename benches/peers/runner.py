@@ -70,8 +70,7 @@ class Runner:
                 raise SystemExit(f"{command[0]} failed with status {child.returncode} on {json.dumps(job)}")
             out.seek(0)
             report = json.loads(out.read().splitlines()[-1])
-        # Linux gives kilobytes.
-        report["process"] = {"cpu": usage.ru_utime + usage.ru_stime, "wall": wall, "peak": 1024 * usage.ru_maxrss}
+        report["process"] = {"cpu": usage.ru_utime + usage.ru_stime, "wall": wall, "peak": report["peak"] or 0}
         return report
 
 
@@ -83,6 +82,6 @@ def medians(reports):
     }
     work = {clock: statistics.median(sum(p[clock] for p in r["phases"].values()) for r in reports) for clock in ("cpu", "wall")}
     # Memory that the work needs beyond what the process had before it: its program, libraries and input.
-    work["memory"] = statistics.median(max(r["process"]["peak"] - (r["resident"] or 0), 0) for r in reports)
+    work["memory"] = statistics.median(r["process"]["peak"] - (r["resident"] or 0) for r in reports)
     process = {name: statistics.median(r["process"][name] for r in reports) for name in ("cpu", "wall", "peak")}
     return {"phases": phases, "work": work, "process": process, "runs": len(reports), "about": reports[-1]["about"]}
