@@ -67,10 +67,10 @@ def distances(runner, folder, size):
     yield Case("distances from 12 vertices", f"{vertices:,} v", ours, [("potpourri3d", theirs, checks.close_distances)], note)
 
 
-def closest(runner, folder, size):
+def closest(runner, folder, results, size):
     """The closest point of a mesh for as many points beside it as it has vertices."""
     mesh, vertices = skin(runner, folder, "horse", size)
-    queries, shape = mesh / "queries", Mesh(mesh)
+    queries, shape = results / "queries", Mesh(mesh)
     moved = numpy.random.default_rng(0).normal(scale=0.02 * shape.diagonal(), size=(vertices, 3))
     (shape.vertices + moved).astype("<f8").tofile(queries)
     files = {"mesh": str(mesh), "points": str(queries)}
@@ -81,22 +81,22 @@ def closest(runner, folder, size):
     yield Case("closest points", f"{vertices:,} v", {"task": "closest", **files}, peers)
 
 
-def correspondence(runner, folder, size):
+def correspondence(runner, folder, results, size):
     """The fit of a camel to a horse, from the same named points."""
     source, _ = skin(runner, folder, "horse", size)
     target, vertices = skin(runner, folder, "camel", size)
     files = {"source": str(source), "target": str(target)}
     ours = {"task": "correspond", **files, "correspondence": {"type": "nonrigid_fit"}}
     theirs = {"function": "trimesh_sumner", **files}
-    agree = checks.carries_as_well(runner, folder)
+    agree = checks.carries_as_well(runner, results)
     yield Case("correspondence", f"{vertices:,} v", ours, [("trimesh nricp_sumner", theirs, agree)])
 
 
-def files(runner, folder, size):
+def files(runner, folder, results, size):
     """Reading and writing files on the disk."""
     mesh, vertices = skin(runner, folder, "horse", size)
     for kind, igl_takes in (("obj", True), ("ply", True)):
-        written = folder / f"horse-{size}.{kind}"
+        written = results / f"horse-{size}.{kind}"
         ours = {"task": "write", "mesh": str(mesh), "format": {"type": kind}, "result": str(written)}
         peers = [
             (name, {"function": f"{prefix}_write", "mesh": str(mesh), "suffix": f".{kind}"}, checks.reads_back)
@@ -111,15 +111,15 @@ def files(runner, folder, size):
         yield Case(f"reading {kind.upper()}", f"{vertices:,} v", ours, peers)
 
 
-def all_cases(runner, folder, sizes, counts, only):
-    """The cases in the order of the table: a work at a time, by size. Meshes are made when they are needed."""
+def all_cases(runner, folder, results, sizes, counts, only):
+    """The cases in the order of the table: a work at a time, by size. Meshes are made in `folder` when they are needed."""
     works = {
         "weights": lambda size: weights(runner, folder, size, counts),
         "deform": lambda size: deform(runner, folder, size),
         "distances": lambda size: distances(runner, folder, size),
-        "closest": lambda size: closest(runner, folder, size),
-        "correspondence": lambda size: correspondence(runner, folder, size),
-        "files": lambda size: files(runner, folder, size),
+        "closest": lambda size: closest(runner, folder, results, size),
+        "correspondence": lambda size: correspondence(runner, folder, results, size),
+        "files": lambda size: files(runner, folder, results, size),
     }
     for name, work in works.items():
         for size in sizes:

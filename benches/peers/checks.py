@@ -45,13 +45,13 @@ def equal_weights(tolerance):
 
 
 def as_near(ours, peers, job):
-    """Points found are as near as the peer's. Where several are, either may be found. trimesh is exact to some 1e-8."""
+    """Points found are as near as the peer's. Where several are, either may be found. trimesh misses some by a few millionths."""
     queries, diagonal = points(job["points"]), Mesh(job["mesh"]).diagonal()
     near = [numpy.linalg.norm(points(path) - queries, axis=1) / diagonal for path in (ours, peers)]
     farther, difference = (near[0] - near[1]).max(), numpy.abs(near[0] - near[1]).max()
     said = f"at most {max(farther, 0):.0e} diagonals farther, distances differ by {difference:.0e}"
     # Both compute in double precision.
-    return said, bool(farther <= 1e-9 and difference <= 1e-6)
+    return said, bool(farther <= 1e-9 and difference <= 1e-4)
 
 
 def close_distances(ours, peers, job):

@@ -144,8 +144,8 @@ impl Job {
                 let wanted = &poses[..transfer.poses_wanted().min(poses.len())];
                 let input = BindInput { pair, map: Some(&map), poses: wanted, work: Work::UNWATCHED };
                 let bound = clock.phase("bind", || transfer.bind(input))?;
-                // As many as a run takes at once, so that no lane is idle.
-                let count = bound.at_once().max(poses.len());
+                // No lane is idle.
+                let count = poses.len().next_multiple_of(bound.at_once());
                 let several: Vec<&[Point3<f64>]> = poses.iter().map(Vec::as_slice).cycle().take(count).collect();
                 let moved = clock.phase("frames", || bound.transfer_all(&several));
                 fs::create_dir_all(&result)?;

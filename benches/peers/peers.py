@@ -15,6 +15,7 @@ import argparse
 import json
 import platform
 import sys
+import tempfile
 from importlib import metadata
 from pathlib import Path
 
@@ -95,15 +96,15 @@ def main():
     versions = {name: metadata.version(name) for name in ("libigl", "trimesh", "potpourri3d")}
     about = ", ".join([f"{name} {version}" for name, version in versions.items()] + [f"Python {platform.python_version()}"])
     print(f"{about}; {options.threads} thread(s), medians of {options.runs}; ratios are the peer's over ours\n\n{HEADER}", flush=True)
-    rows, notes = [], []
-    for case in all_cases(runner, folder, options.sizes, options.handles, options.only):
-        for row in compare(runner, case, folder):
-            rows.append(row)
-            print(line(row), flush=True)
-        if case.note and case.note not in notes:
-            notes.append(f"{case.work}: {case.note}")
-            notes = list(dict.fromkeys(notes))
-    print("", *notes, sep="\n")
+    rows, notes = [], {}
+    with tempfile.TemporaryDirectory() as results:
+        for case in all_cases(runner, folder, Path(results), options.sizes, options.handles, options.only):
+            for row in compare(runner, case, Path(results)):
+                rows.append(row)
+                print(line(row), flush=True)
+            if case.note:
+                notes[case.work] = case.note
+    print("", *(f"{work}: {note}" for work, note in notes.items()), sep="\n")
     if options.markdown:
         options.markdown.write_text("\n".join([HEADER, *map(line, rows), ""]))
     if options.json:
