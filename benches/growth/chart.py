@@ -58,9 +58,9 @@ class Panel:
     def guide(self, place, left, right, bottom):
         """A dotted line that grows as x does, to compare with."""
         (x1, y1), (x2, y2) = place(left, bottom), place(right, bottom * right / left)
-        return (
-            f'<line class="guide" x1="{x1:.1f}" y1="{y1:.1f}" x2="{x2:.1f}" y2="{max(y2, TOP):.1f}"><title>in proportion</title></line>'
-        )
+        if y2 < TOP:
+            x2, y2 = x1 + (x2 - x1) * (y1 - TOP) / (y1 - y2), TOP
+        return f'<line class="guide" x1="{x1:.1f}" y1="{y1:.1f}" x2="{x2:.1f}" y2="{y2:.1f}"><title>in proportion</title></line>'
 
 
 def curve(name, places, index):

@@ -120,7 +120,7 @@ def curves(measured):
     size = [(name, [(row["vertices"], row[key]) for row in rows("sizes")]) for name, key in stages.items()]
     parts = [
         (name, [(row["parts"], row[key]) for row in rows("parts")])
-        for name, key in {"neighbours of parts": "proximity", **stages}.items()
+        for name, key in {**stages, "neighbours of parts": "proximity"}.items()
     ]
     names = next(iter(measured["weights"].values()), {})
     weights = [(name, sorted(tuple(found[name]) for found in measured["weights"].values())) for name in names]
