@@ -10,7 +10,7 @@ use super::{
     coarse::Coarse,
     lanes::LaneHandle,
     level::Level,
-    qp::Minimum,
+    qp::{BoxProgram, Minimum},
 };
 use crate::bilaplacian::Bilaplacian;
 
@@ -82,29 +82,37 @@ impl<'a> Supports<'a> {
     }
 }
 
+impl Task<'_> {
+    /// The weights without bounds of all its handles.
+    pub(super) fn all_unbounded(&self) -> Vec<Vec<f64>> {
+        self.program.as_ref().map_or_else(|| self.unbounded.clone(), |program| program.all_unbounded(&self.vertices))
+    }
+}
+
 impl Bound {
     /// Solves for each handle of each task alone, in parallel.
     pub(super) fn solve_alone(&self, tasks: &[&Task<'_>], work: Work<'_>) -> Vec<Vec<Solved>> {
         let tally = work.tally(tasks.iter().map(|task| task.handles.len()).sum());
         let span = Span::current();
         let mut in_lanes = debug_span!("lanes").in_scope(|| self.in_lanes(tasks));
-        tally.add(tasks.iter().filter(|task| task.lanes.is_some()).map(|task| task.handles.len()).sum());
-        let of_task = |task: &&Task<'_>| match (&task.supports, task.lanes) {
-            (Some(supports), _) => self.by_active_sets(task, supports, &tally, &span),
-            (None, Some(_)) => vec![],
-            (None, None) => {
+        tally.add(tasks.iter().filter(|task| task.program.is_none()).map(|task| task.handles.len()).sum());
+        let of_task = |task: &&Task<'_>| match (&task.program, &task.supports) {
+            (Some(program), Some(supports)) => self.by_active_sets(task, program, supports, &tally, &span),
+            (Some(program), None) => {
                 let handles = (0..task.handles.len()).into_par_iter();
                 let by_interior_point = |k: usize| {
                     let span = debug_span!(parent: &span, "handle");
-                    let solved = span.in_scope(|| self.by_interior_point(task, k, self.settings.max_iterations));
+                    let solved =
+                        span.in_scope(|| self.by_interior_point(task, program, k, self.settings.max_iterations));
                     tally.add(1);
                     solved
                 };
                 handles.map(by_interior_point).collect()
             }
+            (None, _) => vec![],
         };
         let mut solved: Vec<Vec<Solved>> = tasks.par_iter().map(of_task).collect();
-        for (task, solved) in tasks.iter().zip(&mut solved).filter(|(task, _)| task.lanes.is_some()) {
+        for (task, solved) in tasks.iter().zip(&mut solved).filter(|(task, _)| task.program.is_none()) {
             let minima = in_lanes[task.group].by_ref().take(task.handles.len());
             solved.extend(minima.enumerate().map(|(k, minimum)| self.solved(task, k, minimum)));
         }
@@ -115,9 +123,9 @@ impl Bound {
     fn in_lanes(&self, tasks: &[&Task<'_>]) -> Vec<std::vec::IntoIter<Minimum>> {
         let BoundedBiharmonic { tolerance, max_iterations, .. } = self.settings;
         let mut handles = vec![Vec::new(); self.parts.len()];
-        for task in tasks.iter().filter(|task| task.lanes.is_some()) {
-            let each = task.vertices.iter().map(|&unknown| LaneHandle { program: &task.program, unknown });
-            handles[task.group].extend(each);
+        for task in tasks.iter().filter(|task| task.program.is_none()) {
+            let each = task.vertices.iter().zip(&task.unbounded);
+            handles[task.group].extend(each.map(|(&unknown, start)| LaneHandle { held: &task.held, unknown, start }));
         }
         let of_group = |(part, handles): (&Option<Part>, &Vec<LaneHandle<'_>>)| {
             let lanes = part.as_ref().and_then(|part| part.lanes.as_ref());
@@ -126,8 +134,9 @@ impl Bound {
         self.parts.par_iter().zip(&handles).map(of_group).collect()
     }
 
-    fn by_interior_point(&self, task: &Task<'_>, k: usize, max_iterations: usize) -> Solved {
-        self.solved(task, k, task.program.minimise(&self.unbounded(task, k), self.settings.tolerance, max_iterations))
+    fn by_interior_point(&self, task: &Task<'_>, program: &BoxProgram<'_>, k: usize, max_iterations: usize) -> Solved {
+        let start = program.unbounded(task.vertices[k]);
+        self.solved(task, k, program.minimise(&start, self.settings.tolerance, max_iterations))
     }
 
     fn solved(&self, task: &Task<'_>, k: usize, minimum: Minimum) -> Solved {
@@ -146,7 +155,14 @@ impl Bound {
         }
     }
 
-    fn by_active_sets(&self, task: &Task<'_>, supports: &Supports<'_>, tally: &Tally<'_>, span: &Span) -> Vec<Solved> {
+    fn by_active_sets(
+        &self,
+        task: &Task<'_>,
+        whole: &BoxProgram<'_>,
+        supports: &Supports<'_>,
+        tally: &Tally<'_>,
+        span: &Span,
+    ) -> Vec<Solved> {
         let program = SupportProgram { level: supports.level, held: &supports.held };
         let max_steps = self.settings.max_iterations.min(MAX_STEPS);
         let minimise = |k: usize| {
@@ -158,7 +174,7 @@ impl Bound {
         };
         let found: Vec<_> = (0..task.handles.len()).into_par_iter().map(minimise).collect();
         let weights: Vec<_> = found.iter().map(|found| supports.level.of_unknowns(&found.x)).collect();
-        let bounds = debug_span!(parent: span, "certificate").in_scope(|| task.program.certify(&weights));
+        let bounds = debug_span!(parent: span, "certificate").in_scope(|| whole.certify(&weights));
         let finish = |k: usize, found: Support, x: Vec<f64>, (energy, gap): (f64, f64)| {
             let relative_gap = gap / f64::max(energy, f64::MIN_POSITIVE);
             let is_solved = found.converged && relative_gap <= SUSPECT_GAP.max(self.settings.tolerance);
@@ -167,7 +183,7 @@ impl Bound {
             if is_solved || iterations >= self.settings.max_iterations {
                 return solved;
             }
-            let again = self.by_interior_point(task, k, self.settings.max_iterations - iterations);
+            let again = self.by_interior_point(task, whole, k, self.settings.max_iterations - iterations);
             let iterations = iterations + again.iterations;
             let better = if again.is_solved || again.energy < solved.energy { again } else { solved };
             Solved { iterations, was_left: true, ..better }

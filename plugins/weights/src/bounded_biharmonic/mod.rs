@@ -50,7 +50,7 @@ use tracing::{Span, debug_span};
 use crate::{bilaplacian::Bilaplacian, domain::Domain};
 use alone::{Method, Supports};
 use coupled::Coupled;
-use lanes::LaneProgram;
+use lanes::{LaneChoice, LaneProgram};
 use level::Level;
 use qp::BoxProgram;
 
@@ -202,11 +202,14 @@ struct Task<'a> {
     handles: Vec<usize>,
     /// Their vertices, as the group counts.
     vertices: Vec<usize>,
-    program: BoxProgram<'a>,
+    /// Whether each vertex of the group is one of them.
+    held: Vec<bool>,
+    /// There unless the interior point goes in lanes.
+    program: Option<BoxProgram<'a>>,
     /// There for active sets.
     supports: Option<Supports<'a>>,
-    /// There for the interior point in lanes.
-    lanes: Option<&'a LaneProgram>,
+    /// The weights without bounds of each handle, there for the interior point in lanes.
+    unbounded: Vec<Vec<f64>>,
 }
 
 /// The solution for a handle.
@@ -223,15 +226,6 @@ struct Solved {
     is_solved: bool,
     /// Whether active sets left it to the interior point.
     was_left: bool,
-}
-
-impl Task<'_> {
-    /// The values of the held vertices for handle `k` of the task, and 0 elsewhere.
-    fn held(&self, k: usize, n: usize) -> Vec<f64> {
-        let mut values = vec![0.0; n];
-        values[self.vertices[k]] = 1.0;
-        values
-    }
 }
 
 impl BoundWeights for Bound {
@@ -260,7 +254,8 @@ impl Bound {
     fn solve_together(&self, choices: &[&[usize]], work: Work<'_>) -> Vec<Result<HandleWeights>> {
         let span = Span::current();
         let choice = |handles: &&[usize]| debug_span!(parent: &span, "supports").in_scope(|| self.choice(handles));
-        let choices: Vec<Result<Choice<'_>>> = choices.par_iter().map(choice).collect();
+        let mut choices: Vec<Result<Choice<'_>>> = choices.par_iter().map(choice).collect();
+        debug_span!("unbounded").in_scope(|| self.set_unbounded(&mut choices));
         let [preparing, solving, finishing] = work.parts([PREPARING, 1.0, FINISHING]);
         preparing.done(1.0);
         let sound = || choices.iter().flatten();
@@ -285,6 +280,31 @@ impl Bound {
         let mut matrix = DMatrix::zeros(self.domain.place.len(), handles.len());
         let tasks = self.tasks(&vertices, &by_group, &mut matrix)?;
         Ok(Choice { by_group, tasks, matrix })
+    }
+
+    /// Sets the weights without bounds of handles in lanes. A choice that has none becomes the error that says so.
+    fn set_unbounded(&self, choices: &mut [Result<Choice<'_>>]) {
+        for (group, part) in self.parts.iter().enumerate() {
+            let Some(lanes) = part.as_ref().and_then(|part| part.lanes.as_ref()) else { continue };
+            let of_choice = |choice: &Choice<'_>| choice.tasks.iter().position(|task| task.group == group);
+            let with: Vec<(usize, usize)> = choices
+                .iter()
+                .enumerate()
+                .filter_map(|(number, choice)| Some((number, of_choice(choice.as_ref().ok()?)?)))
+                .collect();
+            let lane_choice = |&(number, k): &(usize, usize)| {
+                let task = &choices[number].as_ref().ok()?.tasks[k];
+                Some(LaneChoice { held: &task.held, unknowns: &task.vertices })
+            };
+            let found = lanes.unbounded(&with.iter().filter_map(lane_choice).collect::<Vec<_>>());
+            for ((number, k), found) in with.into_iter().zip(found) {
+                match (found, &mut choices[number]) {
+                    (Ok(found), Ok(choice)) => choice.tasks[k].unbounded = found,
+                    (Err(error), choice) => *choice = Err(error),
+                    (Ok(_), Err(_)) => {}
+                }
+            }
+        }
     }
 
     /// The weights of a choice of handles and the report on them.
@@ -341,9 +361,10 @@ impl Bound {
             let vertices: Vec<usize> = handles.iter().map(local).collect();
             let mut held = vec![false; part.energy.matrix.ncols()];
             vertices.iter().for_each(|&v| held[v] = true);
-            let program = BoxProgram::new(&part.energy, &held, &part.pattern)?;
+            let is_in_lanes = part.lanes.is_some();
+            let program = (!is_in_lanes).then(|| BoxProgram::new(&part.energy, &held, &part.pattern)).transpose()?;
             let supports = part.level.as_ref().map(|level| Supports::new(level, &vertices));
-            Ok(Task { group, handles, vertices, program, supports, lanes: part.lanes.as_ref() })
+            Ok(Task { group, handles, vertices, held, program, supports, unbounded: vec![] })
         };
         several.into_par_iter().map(task).collect()
     }
@@ -352,9 +373,10 @@ impl Bound {
     fn solve_coupled(&self, tasks: &[Task<'_>], work: Work<'_>) -> Vec<Solved> {
         let solve = |(number, task): (usize, &Task<'_>)| {
             let work = work.part(number as f64 / tasks.len() as f64, (number + 1) as f64 / tasks.len() as f64);
-            let starts = self.all_unbounded(task);
+            let Some(program) = &task.program else { return vec![] };
+            let starts = program.all_unbounded(&task.vertices);
             let Coupled { x, energies, relative_gap, iterations } =
-                task.program.minimise_coupled(&starts, self.settings.tolerance, self.settings.max_iterations, work);
+                program.minimise_coupled(&starts, self.settings.tolerance, self.settings.max_iterations, work);
             let is_solved = relative_gap <= self.settings.tolerance;
             let each = x.into_iter().zip(energies).zip(&task.handles);
             let solved = |((x, energy), &handle)| Solved {
@@ -370,15 +392,5 @@ impl Bound {
             each.map(solved).collect::<Vec<_>>()
         };
         tasks.iter().enumerate().flat_map(solve).collect()
-    }
-
-    /// The weights without bounds of all handles of a task.
-    fn all_unbounded(&self, task: &Task<'_>) -> Vec<Vec<f64>> {
-        (0..task.handles.len()).into_par_iter().map(|k| self.unbounded(task, k)).collect()
-    }
-
-    /// The weights without bounds of handle `k` of a task.
-    fn unbounded(&self, task: &Task<'_>, k: usize) -> Vec<f64> {
-        task.program.unbounded(&task.held(k, self.domain.groups[task.group].vertices.len()))
     }
 }

@@ -35,7 +35,7 @@ impl Bound {
                 }
                 // Unbounded weights sum to 1, so that their positive parts sum to 1 or more.
                 replaced += 1;
-                let unbounded: &Vec<Vec<f64>> = unbounded.get_or_insert_with(|| self.all_unbounded(task));
+                let unbounded: &Vec<Vec<f64>> = unbounded.get_or_insert_with(|| task.all_unbounded());
                 let positive: f64 = unbounded.iter().map(|w| w[local].max(0.0)).sum();
                 for (found, w) in of_group.iter().zip(unbounded) {
                     matrix[at(found)] = w[local].max(0.0) / positive;

@@ -9,6 +9,7 @@
 //! factorisations to its end.
 
 use mimesh_core::{Result, linalg::Cholesky};
+use rayon::prelude::*;
 
 use crate::bilaplacian::Bilaplacian;
 
@@ -69,9 +70,16 @@ impl<'a> BoxProgram<'a> {
         Ok(Self { energy, values, factored, free: (0..held.len()).filter(|&i| !held[i]).collect() })
     }
 
-    /// Minimises without bounds from `held`, which has the values of the held unknowns and 0 elsewhere.
-    pub fn unbounded(&self, held: &[f64]) -> Vec<f64> {
-        let gradient = self.energy.energy_and_gradient(held).1;
+    /// The minima without bounds for each of `unknowns`, which are held, being 1 and the other held ones 0.
+    pub fn all_unbounded(&self, unknowns: &[usize]) -> Vec<Vec<f64>> {
+        unknowns.par_iter().map(|&unknown| self.unbounded(unknown)).collect()
+    }
+
+    /// The minimum without bounds for `unknown`, which is held, being 1 and the other held ones 0.
+    pub fn unbounded(&self, unknown: usize) -> Vec<f64> {
+        let mut held = vec![0.0; self.energy.inverse_mass.len()];
+        held[unknown] = 1.0;
+        let gradient = self.energy.energy_and_gradient(&held).1;
         let mut step = vec![0.0; held.len()];
         self.free.iter().for_each(|&i| step[i] = -gradient[i]);
         self.factored.solve_refined_in_place(&mut step, 1);

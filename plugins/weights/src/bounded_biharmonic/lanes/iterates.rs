@@ -126,7 +126,7 @@ impl<const N: usize> NullaryFnOnce for Measure<'_, N> {
 
 /// ½ xᵀ Q x, and Q x where unknowns are free.
 #[inline(always)]
-fn energy_and_gradient<const N: usize>(
+pub(super) fn energy_and_gradient<const N: usize>(
     program: &LaneProgram,
     free: &[[f64; N]],
     x: &[[f64; N]],
@@ -201,12 +201,7 @@ impl<const N: usize> NullaryFnOnce for Advance<'_, N> {
 fn assemble<const N: usize>(program: &LaneProgram, at: &mut Iterates<N>) {
     let Iterates { free, x, multipliers, inverse, cholesky, .. } = at;
     let values = cholesky.clear();
-    for entry in &program.entries {
-        let (to, a, b) = (&mut values[entry.place as usize], &free[entry.row as usize], &free[entry.column as usize]);
-        for k in 0..N {
-            to[k] = entry.value * a[k] * b[k];
-        }
-    }
+    program.assemble_free(free, values);
     for (i, &place) in program.diagonal_places.iter().enumerate() {
         let (to, free, x) = (&mut values[place as usize], &free[i], &x[i]);
         for k in 0..N {
@@ -214,7 +209,7 @@ fn assemble<const N: usize>(program: &LaneProgram, at: &mut Iterates<N>) {
             inverse[0][i][k] = if free[k] == 0.0 { 0.0 } else { below };
             inverse[1][i][k] = if free[k] == 0.0 { 0.0 } else { above };
             let barrier = multipliers[0][i][k] * inverse[0][i][k] + multipliers[1][i][k] * inverse[1][i][k];
-            to[k] += (1.0 - free[k]) + barrier;
+            to[k] += barrier;
         }
     }
 }

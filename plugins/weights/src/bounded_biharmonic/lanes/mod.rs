@@ -7,6 +7,7 @@
 //! factors of eight lanes do not fit into caches, and nothing is won.
 
 mod iterates;
+mod unbounded;
 
 use std::sync::Arc;
 
@@ -15,10 +16,11 @@ use rayon::prelude::*;
 
 use super::{
     level::Rows,
-    qp::{BoxProgram, MARGIN, MAX_STALLED_STEPS, Minimum},
+    qp::{MARGIN, MAX_STALLED_STEPS, Minimum},
 };
 use crate::bilaplacian::Bilaplacian;
 use iterates::{Iterates, Measured};
+pub use unbounded::LaneChoice;
 
 /// Lanes that are filled as long as there are handles for more than [`FEW`].
 const MANY: usize = 8;
@@ -55,10 +57,12 @@ struct Entry {
 /// A handle to solve for.
 #[derive(Clone, Copy, Debug)]
 pub struct LaneHandle<'a> {
-    /// The program of the handles it is one of.
-    pub program: &'a BoxProgram<'a>,
+    /// Whether each unknown is one of the handles of its choice.
+    pub held: &'a [bool],
     /// The unknown where it is 1.
     pub unknown: usize,
+    /// Where to start: the weights without bounds.
+    pub start: &'a [f64],
 }
 
 /// A handle on its way in a lane.
@@ -98,7 +102,25 @@ impl LaneProgram {
         Ok(Self { pattern, entries, diagonal_places, inverse_diagonal, laplacian, inverse_mass, rows })
     }
 
-    /// Minimises for each of `handles`, as [`BoxProgram::minimise`] does from weights without bounds.
+    /// Sets `values`, which are 0, to Q, held unknowns (0 in `free`, else 1) being those of the identity.
+    #[inline(always)]
+    fn assemble_free<const N: usize>(&self, free: &[[f64; N]], values: &mut [[f64; N]]) {
+        for entry in &self.entries {
+            let (a, b) = (&free[entry.row as usize], &free[entry.column as usize]);
+            let to = &mut values[entry.place as usize];
+            for k in 0..N {
+                to[k] = entry.value * a[k] * b[k];
+            }
+        }
+        for (free, &place) in free.iter().zip(&self.diagonal_places) {
+            let to = &mut values[place as usize];
+            for k in 0..N {
+                to[k] += 1.0 - free[k];
+            }
+        }
+    }
+
+    /// Minimises for each of `handles`, as [`BoxProgram::minimise`](super::qp::BoxProgram::minimise) does.
     pub fn minimise(&self, handles: &[LaneHandle<'_>], tolerance: f64, max_iterations: usize) -> Vec<Minimum> {
         let share = handles.len().div_ceil(rayon::current_num_threads().max(1)).next_multiple_of(FEW);
         let solve = |share: &[LaneHandle<'_>]| {
@@ -179,18 +201,15 @@ impl LaneProgram {
 
     /// Sets x of a lane to where a handle starts.
     fn set_start<const N: usize>(&self, at: &mut Iterates<N>, lane: usize, handle: &LaneHandle<'_>) {
-        let LaneHandle { program, unknown } = handle;
-        let mut held = vec![0.0; self.rows.len()];
-        held[*unknown] = 1.0;
-        let start = program.unbounded(&held);
-        at.set_held(lane, program.free.len());
-        for (&row, value) in self.rows.iter().zip(held) {
-            at.x[row as usize][lane] = value;
-        }
-        for &i in &program.free {
-            let row = self.rows[i] as usize;
-            at.x[row][lane] = start[i].clamp(MARGIN, 1.0 - MARGIN);
-            at.free[row][lane] = 1.0;
+        let LaneHandle { held, unknown, start } = *handle;
+        at.set_held(lane, held.iter().filter(|held| !**held).count());
+        for (i, (&row, (&held, start))) in self.rows.iter().zip(held.iter().zip(start)).enumerate() {
+            if held {
+                at.x[row as usize][lane] = f64::from(u8::from(i == unknown));
+            } else {
+                at.x[row as usize][lane] = start.clamp(MARGIN, 1.0 - MARGIN);
+                at.free[row as usize][lane] = 1.0;
+            }
         }
     }
 

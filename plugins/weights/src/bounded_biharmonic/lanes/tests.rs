@@ -7,6 +7,7 @@ use mimesh_core::{
 use proptest::prelude::*;
 
 use super::*;
+use crate::bounded_biharmonic::qp::BoxProgram;
 
 const TOLERANCE: f64 = 1e-6;
 
@@ -23,19 +24,31 @@ fn energy(surface: &Surface) -> Bilaplacian {
     Bilaplacian::new(&cotangent_laplacian(&surface.positions, &surface.triangles), &mass)
 }
 
-/// The program of the handles at `unknowns`.
-fn program<'a>(energy: &'a Bilaplacian, unknowns: &[usize]) -> BoxProgram<'a> {
-    let mut held = vec![false; energy.inverse_mass.len()];
-    unknowns.iter().for_each(|&i| held[i] = true);
-    let mut matrix = energy.matrix.clone();
-    matrix.values_mut().copy_from_slice(&energy.without(&held));
-    BoxProgram::new(energy, &held, &Cholesky::for_refactoring(matrix, "the test").unwrap()).unwrap()
+/// Handles at `unknowns`, with the minima of their programs one by one.
+struct Plain {
+    unknowns: Vec<usize>,
+    held: Vec<bool>,
+    starts: Vec<Vec<f64>>,
+    minima: Vec<Minimum>,
 }
 
-fn plain(handle: &LaneHandle<'_>) -> Minimum {
-    let mut held = vec![0.0; handle.program.energy.inverse_mass.len()];
-    held[handle.unknown] = 1.0;
-    handle.program.minimise(&handle.program.unbounded(&held), TOLERANCE, 100)
+impl Plain {
+    fn new(energy: &Bilaplacian, unknowns: &[usize]) -> Self {
+        let mut held = vec![false; energy.inverse_mass.len()];
+        unknowns.iter().for_each(|&i| held[i] = true);
+        let mut matrix = energy.matrix.clone();
+        matrix.values_mut().copy_from_slice(&energy.without(&held));
+        let pattern = Cholesky::for_refactoring(matrix, "the test").unwrap();
+        let program = BoxProgram::new(energy, &held, &pattern).unwrap();
+        let starts = program.all_unbounded(unknowns);
+        let minima = starts.iter().map(|start| program.minimise(start, TOLERANCE, 100)).collect();
+        Self { unknowns: unknowns.to_vec(), held, starts, minima }
+    }
+
+    fn handles(&self) -> impl Iterator<Item = LaneHandle<'_>> {
+        let each = self.unknowns.iter().zip(&self.starts);
+        each.map(|(&unknown, start)| LaneHandle { held: &self.held, unknown, start })
+    }
 }
 
 fn same(a: &Minimum, b: &Minimum) -> bool {
@@ -53,19 +66,25 @@ proptest! {
         let energy = energy(&uneven_bar(seed));
         let lanes = LaneProgram::new(&energy).unwrap();
         let choices: Vec<Vec<usize>> = choices.into_iter().map(|choice| choice.into_iter().collect()).collect();
-        let programs: Vec<_> = choices.iter().map(|choice| program(&energy, choice)).collect();
-        let mut handles = Vec::new();
-        for (program, choice) in programs.iter().zip(&choices) {
-            handles.extend(choice.iter().map(|&unknown| LaneHandle { program, unknown }));
+        let plain: Vec<_> = choices.iter().map(|choice| Plain::new(&energy, choice)).collect();
+        let lane_choices: Vec<_> =
+            plain.iter().map(|plain| LaneChoice { held: &plain.held, unknowns: &plain.unknowns }).collect();
+        for (found, plain) in lanes.unbounded(&lane_choices).into_iter().zip(&plain) {
+            for (x, y) in found.unwrap().iter().zip(&plain.starts) {
+                // Rounding at a condition of some 1e6.
+                prop_assert!(x.iter().zip(y).all(|(x, y)| (x - y).abs() < 1e-8));
+            }
         }
+        let mut handles: Vec<_> = plain.iter().flat_map(Plain::handles).collect();
+        let mut minima: Vec<_> = plain.iter().flat_map(|plain| &plain.minima).collect();
         let count = handles.len();
         handles.rotate_left(turn % count);
+        minima.rotate_left(turn % count);
         let together = lanes.minimise_in::<8>(&handles, TOLERANCE, 100);
         prop_assert_eq!(together.len(), count);
-        for (handle, found) in handles.iter().zip(&together) {
+        for ((handle, found), plain) in handles.iter().zip(&together).zip(minima) {
             let alone = lanes.minimise_in::<1>(&[*handle], TOLERANCE, 100);
             prop_assert!(same(found, &alone[0]), "{} and {}", found.energy, alone[0].energy);
-            let plain = plain(handle);
             prop_assert!(found.gap <= TOLERANCE * found.energy, "{:e} of {}", found.gap, found.energy);
             // Either may lie above the least by its gap.
             let difference = (found.energy - plain.energy).abs();
@@ -82,8 +101,8 @@ fn held_unknowns_keep_their_values_and_steps_are_limited() {
     let energy = energy(&uneven_bar(3));
     let lanes = LaneProgram::new(&energy).unwrap();
     let unknowns = [0, 17, 40, 66, 80];
-    let program = program(&energy, &unknowns);
-    let handles = unknowns.map(|unknown| LaneHandle { program: &program, unknown });
+    let plain = Plain::new(&energy, &unknowns);
+    let handles: Vec<_> = plain.handles().collect();
     for (found, own) in lanes.minimise(&handles, TOLERANCE, 100).iter().zip(unknowns) {
         assert!(unknowns.iter().all(|&i| found.x[i] == f64::from(i == own)));
         assert!((1..100).contains(&found.iterations));
