@@ -9,11 +9,14 @@
 //!
 //! where δ is the pose minus the rest, X̂ are rigid motions and ρ is small. The maps that minimise it for given rotations are
 //! X = X₀ + P (R − I), and the rotations for given maps are polar factors of (Ŝ + K X)_gᵀ.
+//!
+//! So rotations follow from rotations: K X = K X₀ + K P (R − I), and J along them is a quadratic function of R − I. An iteration
+//! takes a product of the size of the regions alone; maps are made at the end.
 
 use mimesh_core::{Error, Result, operators};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Matrix3};
 
-use crate::covariances::Covariances;
+use crate::{covariances::Covariances, handle_space::transposed_product};
 
 /// The parts of J that do not depend on the pose.
 #[derive(Clone, Debug)]
@@ -99,53 +102,131 @@ pub(crate) struct Minimum {
     pub converged: bool,
 }
 
+/// J over rotations, with the maps that follow them.
+#[derive(Clone, Debug)]
+pub(crate) struct Reduced {
+    /// K P, 3g × 3g.
+    moved: DMatrix<f64>,
+    /// Where maps do not minimise J itself.
+    stacked: Option<Stacked>,
+}
+
+/// J for maps X₀ + P (R − I) that minimise something else.
+#[derive(Clone, Debug)]
+struct Stacked {
+    /// Pᵀ (2 λ A + B + ρ), 3g × 4h.
+    slope: DMatrix<f64>,
+    /// Pᵀ (2 λ A + B + ρ) P − 2 λ K P, 3g × 3g.
+    quadratic: DMatrix<f64>,
+}
+
+impl Reduced {
+    /// The function of `energy` along the maps of `system`; `is_exact` says that these minimise it.
+    pub(crate) fn new(energy: &Energy, system: &GlobalSystem, is_exact: bool) -> Self {
+        let moved = transposed_product(&energy.covariances.of_maps, &system.of_rotations);
+        let stacked = (!is_exact).then(|| {
+            let slope = transposed_product(&system.of_rotations, &energy.with_ridge());
+            let quadratic = &slope * &system.of_rotations - &moved * (2.0 * energy.lambda);
+            Stacked { slope, quadratic }
+        });
+        Self { moved, stacked }
+    }
+}
+
 /// Starts from `rotations` (one a region) and alternates.
 pub(crate) fn alternate(
     energy: &Energy,
     system: &GlobalSystem,
+    reduced: &Reduced,
     goal: &Goal,
     mut rotations: Vec<Matrix3<f64>>,
     stop: Stop,
 ) -> Minimum {
-    let start = system.solve(&(&goal.projected + &goal.ridge_rhs(&energy.ridge)));
-    let step = |rotations: &[Matrix3<f64>]| {
-        let mut maps = start.clone();
-        maps.gemm(1.0, &system.of_rotations, &turns(rotations), 1.0);
-        maps
-    };
-    let mut maps = step(&rotations);
-    let mut moved = energy.covariances.of_maps.tr_mul(&maps);
-    let mut energies = vec![energy.at(&maps, &moved, &rotations, goal)];
+    let rhs = &goal.projected + &goal.ridge_rhs(&energy.ridge);
+    let start = system.solve(&rhs);
+    let at_start = Start::new(energy, system, reduced, goal, &rhs, &start);
+    let mut turns = turns(&rotations);
+    let mut moved = at_start.moved(reduced, &turns);
+    let mut energies = vec![at_start.energy(energy, reduced, &turns, &moved)];
     let mut converged = energy.lambda == 0.0;
+    let mut covariances = Vec::with_capacity(rotations.len());
     while !converged && energies.len() <= stop.max_iterations {
+        covariances.clear();
         let at_rest = energy.covariances.at_rest.iter().enumerate();
-        let covariances: Vec<_> =
-            at_rest.map(|(g, rest)| (rest + moved.fixed_view::<3, 3>(3 * g, 0)).transpose()).collect();
+        covariances.extend(at_rest.map(|(g, rest)| (rest + moved.fixed_view::<3, 3>(3 * g, 0)).transpose()));
         rotations = operators::rotations(&covariances);
-        maps = step(&rotations);
-        moved = energy.covariances.of_maps.tr_mul(&maps);
-        let (before, now) = (energies[energies.len() - 1], energy.at(&maps, &moved, &rotations, goal));
+        turns = self::turns(&rotations);
+        moved = at_start.moved(reduced, &turns);
+        let (before, now) = (energies[energies.len() - 1], at_start.energy(energy, reduced, &turns, &moved));
         energies.push(now);
         // A pose that is met leaves rounding, which may go up as well as down.
         converged = (before - now).abs() <= stop.tolerance * before.abs() + f64::EPSILON * goal.constant;
     }
+    let mut maps = start;
+    maps.gemm(1.0, &system.of_rotations, &turns, 1.0);
     Minimum { ridge_energy: energy.of_ridge(&maps, goal), maps, energies, converged }
 }
 
+/// J and K X where all rotations are the identity, and how they change from there.
+struct Start {
+    /// J.
+    energy: f64,
+    /// K X₀, 3g × 3.
+    moved: DMatrix<f64>,
+    /// The slope of J over R − I, 3g × 3; without that where maps minimise J, for it is −2 λ K X₀.
+    slope: Option<DMatrix<f64>>,
+}
+
+impl Start {
+    fn new(
+        energy: &Energy,
+        system: &GlobalSystem,
+        reduced: &Reduced,
+        goal: &Goal,
+        rhs: &DMatrix<f64>,
+        maps: &DMatrix<f64>,
+    ) -> Self {
+        let moved = transposed_product(&energy.covariances.of_maps, maps);
+        let constant = goal.constant + goal.reference.dot(&goal.ridge_rhs(&energy.ridge));
+        match &reduced.stacked {
+            None => Self { energy: constant - maps.dot(rhs), moved, slope: None },
+            Some(Stacked { slope, .. }) => {
+                let slope =
+                    (slope * maps - transposed_product(&system.of_rotations, rhs) - &moved * energy.lambda) * 2.0;
+                let product = energy.with_ridge() * maps;
+                Self { energy: constant + maps.dot(&(product - rhs * 2.0)), moved, slope: Some(slope) }
+            }
+        }
+    }
+
+    /// K X for R − I.
+    fn moved(&self, reduced: &Reduced, turns: &DMatrix<f64>) -> DMatrix<f64> {
+        let mut moved = self.moved.clone();
+        moved.gemm(1.0, &reduced.moved, turns, 1.0);
+        moved
+    }
+
+    /// J for R − I, with `moved` = K X.
+    fn energy(&self, energy: &Energy, reduced: &Reduced, turns: &DMatrix<f64>, moved: &DMatrix<f64>) -> f64 {
+        let of_rest = |(g, rest): (usize, &Matrix3<f64>)| {
+            let turn = turns.fixed_view::<3, 3>(3 * g, 0).transpose();
+            turn.dot(&(turn * rest))
+        };
+        let at_rest: f64 = energy.covariances.at_rest.iter().enumerate().map(of_rest).sum();
+        let of_maps = match (&reduced.stacked, &self.slope) {
+            (Some(stacked), Some(slope)) => turns.dot(slope) + turns.dot(&(&stacked.quadratic * turns)),
+            _ => -energy.lambda * (turns.dot(&self.moved) + turns.dot(moved)),
+        };
+        self.energy + energy.lambda * at_rest + of_maps
+    }
+}
+
 impl Energy {
-    /// J, with `moved` = K X.
-    fn at(&self, maps: &DMatrix<f64>, moved: &DMatrix<f64>, rotations: &[Matrix3<f64>], goal: &Goal) -> f64 {
-        let quadratic = maps.dot(&(&self.quadratic * maps));
-        let turns: f64 = rotations
-            .iter()
-            .zip(&self.covariances.at_rest)
-            .enumerate()
-            .map(|(g, (rotation, rest))| {
-                let turn = rotation - Matrix3::identity();
-                turn.dot(&(turn * rest)) - 2.0 * turn.transpose().dot(&moved.fixed_view::<3, 3>(3 * g, 0))
-            })
-            .sum();
-        quadratic - 2.0 * maps.dot(&goal.projected) + goal.constant + self.lambda * turns + self.of_ridge(maps, goal)
+    /// 2 λ A + B + ρ.
+    fn with_ridge(&self) -> DMatrix<f64> {
+        let mut matrix = self.quadratic.clone();
+        matrix.set_diagonal(&(matrix.diagonal() + &self.ridge));
+        matrix
     }
 
     /// ‖X − X̂‖²_ρ.
@@ -163,3 +244,6 @@ fn turns(rotations: &[Matrix3<f64>]) -> DMatrix<f64> {
     }
     result
 }
+
+#[cfg(test)]
+mod tests;

@@ -22,7 +22,7 @@
 use std::sync::Arc;
 
 use mimesh_core::{
-    Result,
+    Error, Result,
     mesh::Surface,
     operators::voronoi_mass,
     plugin::check_ranges,
@@ -35,7 +35,7 @@ use serde::{Deserialize, Serialize};
 
 pub use crate::edges::EdgeWeights;
 use crate::{
-    alternation::{Energy, GlobalSystem, Stop, alternate},
+    alternation::{Energy, GlobalSystem, Reduced, Stop, alternate},
     covariances::Covariances,
     edges::Edges,
     handle_space::symmetric_product,
@@ -117,27 +117,31 @@ const HOLD_WEIGHT: f64 = 1e3;
 #[typetag::serde(name = "arap_skinning")]
 impl Deformer for ArapSkinning {
     fn bind(&self, surface: &Surface) -> Result<Box<dyn BoundDeformer>> {
+        self.bind_coarse(surface, &vec![1.0; surface.vertex_count()])
+    }
+
+    fn bind_coarse(&self, surface: &Surface, counts: &[f64]) -> Result<Box<dyn BoundDeformer>> {
         check_ranges(self)?;
+        Error::check_shape("counts of vertices (#V)", surface.vertex_count(), counts.len())?;
         Ok(Box::new(Bound {
             settings: self.clone(),
             edges: Edges::new(surface, self.edge_weights),
-            closeness: closeness(surface, self.difference),
+            closeness: closeness(surface, counts, self.difference),
             rest: Arc::new(RestShape::new(&surface.positions)),
             surface: surface.clone(),
         }))
     }
 }
 
-/// d, #V, with mean 1 (or 0 where E_diff is off).
-fn closeness(surface: &Surface, difference: Difference) -> Vec<f64> {
-    let count = surface.vertex_count();
+/// d, #V, whose sum is that of `counts` (or 0 where E_diff is off).
+fn closeness(surface: &Surface, counts: &[f64], difference: Difference) -> Vec<f64> {
     match difference {
-        Difference::Uniform => vec![1.0; count],
-        Difference::None => vec![0.0; count],
+        Difference::Uniform => counts.to_vec(),
+        Difference::None => vec![0.0; counts.len()],
         Difference::Area => {
             let mass = voronoi_mass(&surface.positions, &surface.triangles);
-            let total: f64 = mass.iter().sum();
-            if total > 0.0 { mass.iter().map(|m| m * count as f64 / total).collect() } else { vec![1.0; count] }
+            let (total, count): (f64, f64) = (mass.iter().sum(), counts.iter().sum());
+            if total > 0.0 { mass.iter().map(|m| m * count / total).collect() } else { counts.to_vec() }
         }
     }
 }
@@ -179,8 +183,10 @@ impl BoundDeformer for Bound {
                 GlobalSystem::new(matrix, &handles.ridge, &(of_residual * (0.5 * lambda)))
             }
         }?;
+        let energy = Energy { lambda, quadratic, covariances, ridge: handles.ridge.clone() };
         Ok(Box::new(Skinned {
-            energy: Energy { lambda, quadratic, covariances, ridge: handles.ridge.clone() },
+            reduced: Reduced::new(&energy, &system, global_step == GlobalStep::Exact),
+            energy,
             system,
             handles,
             regions: regions.clone(),
@@ -199,6 +205,7 @@ struct Skinned {
     handles: Handles,
     energy: Energy,
     system: GlobalSystem,
+    reduced: Reduced,
     regions: Regions,
     stop: Stop,
 }
@@ -207,7 +214,7 @@ impl Skin for Skinned {
     fn fit(&self, posed: &[Point3<f64>]) -> Result<Fit> {
         let (seen, goal) = self.handles.see(posed)?;
         let rotations = self.handles.rest.rotations(&seen.displacements, &self.regions);
-        let minimum = alternate(&self.energy, &self.system, &goal, rotations, self.stop);
+        let minimum = alternate(&self.energy, &self.system, &self.reduced, &goal, rotations, self.stop);
         let mut fit = self.handles.fit(&seen, &minimum.maps);
         let figures = &mut fit.figures;
         figures.set("energy", minimum.energies[minimum.energies.len() - 1] - minimum.ridge_energy);

@@ -76,6 +76,13 @@ impl HandleSpace {
         result
     }
 
+    /// Mᵀ D, 4h × #V, with the diagonal D.
+    pub(crate) fn scaled(&self, diagonal: &[f64]) -> DMatrix<f64> {
+        let mut result = self.rows.clone();
+        result.column_iter_mut().zip(diagonal).for_each(|(mut column, d)| column *= *d);
+        result
+    }
+
     /// Mᵀ `other`ᵀ, of which the result is known to be symmetric, 4h × 4h.
     pub(crate) fn symmetric_product(&self, other: &DMatrix<f64>) -> DMatrix<f64> {
         symmetric_product(&self.rows, other)
@@ -158,6 +165,13 @@ pub(crate) fn symmetric_product(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f
         Par::Seq,
     );
     result.fill_upper_triangle_with_lower_triangle();
+    result
+}
+
+/// `a`ᵀ `b`.
+pub(crate) fn transposed_product(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
+    let mut result = DMatrix::zeros(a.ncols(), b.ncols());
+    matmul(view_mut(&mut result), Accum::Replace, view(a).transpose(), view(b), 1.0, Par::Seq);
     result
 }
 

@@ -8,7 +8,7 @@
 use std::sync::Arc;
 
 use mimesh_core::{
-    Result,
+    Error, Result,
     mesh::Surface,
     plugin::check_ranges,
     register,
@@ -41,9 +41,14 @@ impl Default for LinearBlend {
 #[typetag::serde(name = "linear_blend")]
 impl Deformer for LinearBlend {
     fn bind(&self, surface: &Surface) -> Result<Box<dyn BoundDeformer>> {
+        self.bind_coarse(surface, &vec![1.0; surface.vertex_count()])
+    }
+
+    fn bind_coarse(&self, surface: &Surface, counts: &[f64]) -> Result<Box<dyn BoundDeformer>> {
         check_ranges(self)?;
+        Error::check_shape("counts of vertices (#V)", surface.vertex_count(), counts.len())?;
         let rest = Arc::new(RestShape::new(&surface.positions));
-        Ok(Box::new(Bound { regularisation: self.regularisation, rest }))
+        Ok(Box::new(Bound { regularisation: self.regularisation, rest, counts: counts.to_vec() }))
     }
 }
 
@@ -51,14 +56,17 @@ impl Deformer for LinearBlend {
 struct Bound {
     regularisation: f64,
     rest: Arc<RestShape>,
+    /// How much each vertex counts.
+    counts: Vec<f64>,
 }
 
 impl BoundDeformer for Bound {
     fn skin(&self, weights: &HandleWeights, regions: &Regions) -> Result<Box<dyn Skin>> {
         let count = self.rest.positions.len();
         regions.check(count)?;
-        let handles = Handles::new(&self.rest, weights, vec![1.0; count], self.regularisation)?;
-        let matrix = handles.space.symmetric_product(handles.space.rows());
+        let handles = Handles::new(&self.rest, weights, self.counts.clone(), self.regularisation)?;
+        let space = &handles.space;
+        let matrix = space.symmetric_product(&space.scaled(&self.counts));
         let no_rotations = DMatrix::zeros(handles.space.size(), 0);
         let system = GlobalSystem::new(matrix, &handles.ridge, &no_rotations)?;
         Ok(Box::new(Skinned { handles, system }))

@@ -238,6 +238,36 @@ fn alternating_dense_steps_from_the_definition_end_at_the_same_maps() {
 }
 
 #[test]
+fn a_vertex_that_stands_for_several_counts_as_often() {
+    let case = Case::new(bar(), 4, 2);
+    let pose = deformed(&case.surface, 1);
+    let fit = |stage: &dyn Deformer, counts: &[f64]| {
+        let skin = stage.bind_coarse(&case.surface, counts).unwrap().skin(&case.weights, &case.regions).unwrap();
+        skin.fit(&pose).unwrap().positions
+    };
+    let farthest =
+        |a: &[Point3<f64>], b: &[Point3<f64>]| a.iter().zip(b).map(|(p, q)| (p - q).norm()).fold(0.0, f64::max);
+    let count = case.surface.vertex_count();
+    let (one, three) = (vec![1.0; count], vec![3.0; count]);
+    let stiffer = ArapSkinning { lambda: 3.0 * 0.5, ..ArapSkinning::default() };
+    let plain = fit(&ArapSkinning::default(), &one);
+    assert_eq!(plain, case.fit(&ArapSkinning::default(), &pose).positions);
+    // The whole energy is three times as large: rounding remains.
+    assert!(farthest(&plain, &fit(&stiffer, &three)) < 1e-9);
+    assert!(farthest(&plain, &fit(&ArapSkinning::default(), &three)) > 1e-6, "closeness counts more");
+    let blend = LinearBlend::default();
+    assert!(farthest(&fit(&blend, &one), &fit(&blend, &three)) < 1e-9, "all alike");
+    // The half that counts is met better.
+    let half: Vec<f64> = case.surface.positions.iter().map(|p| if p.x > 0.0 { 100.0 } else { 1.0 }).collect();
+    let off = |fit: &[Point3<f64>]| -> f64 {
+        let counted = fit.iter().zip(&pose).zip(&half).filter(|(_, c)| **c > 1.0);
+        counted.map(|((p, q), _)| (p - q).norm_squared()).sum()
+    };
+    assert!(off(&fit(&blend, &half)) < off(&fit(&blend, &one)));
+    assert!(blend.bind_coarse(&case.surface, &one[1..]).is_err());
+}
+
+#[test]
 fn an_affine_pose_is_met_where_closeness_counts_most() {
     let case = Case::new(bar(), 4, 2);
     let affine =

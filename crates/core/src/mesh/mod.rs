@@ -6,6 +6,8 @@
 
 mod attributes;
 mod bounds;
+mod coarse;
+mod collapsing;
 mod frames;
 mod mesh_point;
 mod outward;
@@ -24,6 +26,7 @@ mod weld;
 
 pub use attributes::{CornerAttribute, Image, Material, Part};
 pub use bounds::{bounding_box, check_finite, diagonal};
+pub use coarse::{Coarse, coarsen};
 pub use frames::{PosesAre, poses_are_frames};
 pub use mesh_point::MeshPoint;
 pub use outward::inward_components;

@@ -24,6 +24,15 @@ pub trait Deformer: Debug + Send + Sync {
     ///
     /// [`Error::Setting`](crate::Error::Setting) for settings out of range.
     fn bind(&self, surface: &Surface) -> Result<Box<dyn BoundDeformer>>;
+
+    /// Prepares for handles on a surface that stands for a finer one: each vertex for as many of its vertices as `counts` (#V) says.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`bind`](Self::bind), which it is unless the number of vertices matters to the deformer.
+    fn bind_coarse(&self, surface: &Surface, _counts: &[f64]) -> Result<Box<dyn BoundDeformer>> {
+        self.bind(surface)
+    }
 }
 
 /// A deformer bound to a surface.
