@@ -156,7 +156,7 @@ fn spans_plane(points: &[Point3<f64>]) -> bool {
 }
 
 /// The vertex at a point, or the nearest corner of its triangle.
-fn nearest_vertex(source: &Surface, point: SurfacePoint) -> u32 {
+pub fn nearest_vertex(source: &Surface, point: SurfacePoint) -> u32 {
     let corners = point.corners(source);
     corners.iter().copied().max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0))).map_or(0, |(v, _)| v)
 }

@@ -5,7 +5,8 @@
 //! exchanges single points while one exchange lowers it (eq. 23). `exhaustive: true` judges all candidates at every step, as
 //! the paper does.
 //!
-//! By default the search is fast. All candidates are ranked by weights that cost little, unbounded biharmonic ones, and only a
+//! By default the search is fast. All candidates are ranked by weights that cost little, unbounded biharmonic ones, on a surface
+//! over some of the vertices (`ranking_vertices`), and only a
 //! short list is judged by the weights themselves. Where a point is added and none of the list lowers the error, more are
 //! judged in the order of their ranks, until one does or all are judged. Where a point is exchanged, those
 //! are judged that rank about as well as the set there is.
@@ -21,10 +22,14 @@
 
 use mimesh_core::{
     Error, Figures, Result,
+    mesh::Surface,
     plugin::{check_ranges, configured, instance, nested},
     register,
     serde_json::json,
-    stage::{ChoiceWatch, Chosen, Clusterer, Deformer, KeyPoints, KeyPointsInput, Proximity, Sampler, Weights},
+    stage::{
+        ChoiceWatch, Chosen, Clusterer, Deformer, KeyPoints, KeyPointsInput, Proximity, ProximityGraph, Sampler,
+        Weights,
+    },
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -32,7 +37,8 @@ use serde::{Deserialize, Serialize};
 pub use crate::measure::Measure;
 use crate::{
     candidates::{self, HandleRules, MIN_POINTS},
-    evaluator::{Evaluator, unit_radius},
+    coarse::CoarseSource,
+    evaluator::{Evaluator, Ground, unit_radius},
     judge::Judge,
     report::report,
     search::{Limits, Search},
@@ -73,6 +79,9 @@ pub struct Greedy {
     pub weights: Option<Box<dyn Weights>>,
     /// Weights that rank candidates.
     pub ranking: Option<Box<dyn Weights>>,
+    /// About as many vertices of the source as candidates are ranked on, where it has many more; on all of them with `null`.
+    #[schemars(range(min = 1))]
+    pub ranking_vertices: Option<usize>,
     /// Links between the components of a source of several; with `null` each has a key point from the beginning.
     pub proximity: Option<Box<dyn Proximity>>,
     /// How the source is divided into regions that move about rigidly.
@@ -95,6 +104,7 @@ impl Default for Greedy {
             sampler: instance("farthest_point"),
             weights: instance("bounded_biharmonic"),
             ranking: configured(json!({ "type": "biharmonic", "clamp": true })),
+            ranking_vertices: Some(800),
             proximity: instance("spanning_tree"),
             clusterer: instance("rotation_kmeans"),
             deformer: instance("arap_skinning"),
@@ -125,26 +135,33 @@ impl KeyPoints for Greedy {
             });
         }
         let first = if started.is_empty() { vec![self.first] } else { started };
-        let regions = clusterer.bind(source, poses)?;
-        let deformer = deformer.bind(source)?;
-        let links = match &self.proximity {
-            Some(proximity) if source.components().count() > 1 => Some(proximity.proximity(source)?),
+        let links = self.links(source)?;
+        let ground = Ground {
+            regions: clusterer.bind(source, poses)?,
+            deformer: deformer.bind(source)?,
+            poses: poses.into(),
+            counts: None,
+        };
+        let (measure, unit) = (self.error, unit_radius(&source.positions));
+        let weights = weights.bind(source, &points, links.as_ref())?;
+        let exact = Evaluator { weights, ground: &ground, measure, unit };
+        let ranking = self.ranking.as_ref().filter(|_| !self.exhaustive);
+        let coarse = match (&ranking, self.ranking_vertices) {
+            (Some(_), Some(vertices)) => CoarseSource::new(source, &points, vertices)?,
             _ => None,
         };
-        let evaluator = |weights: &dyn Weights| -> Result<Evaluator<'_>> {
-            Ok(Evaluator {
-                weights: weights.bind(source, &points, links.as_ref())?,
-                regions: regions.as_ref(),
-                deformer: deformer.as_ref(),
-                poses,
-                measure: self.error,
-                unit: unit_radius(&source.positions),
-            })
-        };
-        let exact = evaluator(weights)?;
-        let ranking = match &self.ranking {
-            Some(ranking) if !self.exhaustive => Some(evaluator(ranking.as_ref())?),
-            _ => None,
+        let coarse_ground = coarse.as_ref().map(|coarse| coarse.ground(poses, clusterer, deformer)).transpose()?;
+        let ranking = match (ranking, &coarse, &coarse_ground) {
+            (None, ..) => None,
+            (Some(ranking), Some(coarse), Some(ground)) => {
+                let links = self.links(coarse.surface())?;
+                let weights = ranking.bind(coarse.surface(), &coarse.points, links.as_ref())?;
+                Some(Evaluator { weights, ground, measure, unit })
+            }
+            (Some(ranking), ..) => {
+                let weights = ranking.bind(source, &points, links.as_ref())?;
+                Some(Evaluator { weights, ground: &ground, measure, unit })
+            }
         };
         // A component without a handle or a link cannot be moved, so that each has one from the beginning.
         let first = if links.is_some() { first } else { candidates::cover_components(source, &points, first) };
@@ -162,6 +179,12 @@ impl KeyPoints for Greedy {
 }
 
 impl Greedy {
+    /// The links between the components of a surface of several.
+    fn links(&self, surface: &Surface) -> Result<Option<ProximityGraph>> {
+        let proximity = self.proximity.as_ref().filter(|_| surface.components().count() > 1);
+        proximity.map(|proximity| proximity.proximity(surface)).transpose()
+    }
+
     fn limits(&self, figures: &mut Figures) -> Limits {
         if self.max_count < MIN_POINTS {
             figures.warn(format!(
