@@ -260,12 +260,7 @@ impl Collapsing {
     ///
     /// Each round takes costs once. It goes through the edges of the cheaper half by their costs, and leaves out those at which another has
     /// collapsed before.
-    fn collapse_in_rounds(
-        &mut self,
-        mut left: usize,
-        vertices: usize,
-        watch: &mut impl FnMut(&Candidate),
-    ) -> usize {
+    fn collapse_in_rounds(&mut self, mut left: usize, vertices: usize, watch: &mut impl FnMut(&Candidate)) -> usize {
         while left > vertices {
             let directed = |&[a, b, c]: &[u32; 3]| [[a, b], [b, c], [c, a]];
             // Once each, in whose direction it ascends; those of boundaries that descend wait for the end.
