@@ -45,14 +45,13 @@ pub fn simplify_keeping(surface: &Surface, vertices: usize, kept: &[u32]) -> Res
     triangles.iter().flatten().for_each(|&v| is_used[v as usize] = true);
     let mut positions: Vec<_> = mesh.positions.iter().map(|p| centre + p.coords * diagonal).collect();
     let mut numbers = vec![0; kept.len()];
-    let mut number = 0;
-    for (v, stands_for) in mesh.stands_for.iter().enumerate().filter(|(v, _)| is_used[*v]) {
+    let used = mesh.stands_for.iter().enumerate().filter(|(v, _)| is_used[*v]);
+    for (number, (v, stands_for)) in (0..).zip(used) {
         if let Some(original) = *stands_for {
             // Without the rounding of the way to the unit frame and back.
             positions[v] = surface.positions[original as usize];
             kept.iter().zip(&mut numbers).filter(|(k, _)| **k == original).for_each(|(_, to)| *to = number);
         }
-        number += 1;
     }
     Ok((Surface::from_triangles(positions, triangles)?, numbers))
 }

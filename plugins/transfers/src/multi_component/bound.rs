@@ -57,12 +57,13 @@ impl BoundTransfer for Bound {
             .collect();
         self.descend(descents.iter_mut().flatten().collect());
         let minima: Vec<Option<Minimum>> = descents.iter().map(|d| d.as_ref().map(Descent::minimum)).collect();
-        let transferred = |((start, posed), minimum): ((Result<Start>, &&[Point3<f64>]), Option<Minimum>)| {
+        let each = starts.into_par_iter().zip(poses).zip(minima);
+        each.map(|((start, posed), minimum)| {
             start?;
             let minimum = minimum.expect("each start has a minimum");
             self.placed(&minimum, Vector3::zeros(), |positions| self.placement.apply(posed, positions))
-        };
-        starts.into_par_iter().zip(poses).zip(minima).map(transferred).collect()
+        })
+        .collect()
     }
 
     fn motion(&self) -> Option<Box<dyn Motion + '_>> {
@@ -196,10 +197,10 @@ impl Bound {
         let mut minimum = descent.minimum();
         let mut shift = Vector3::zeros();
         if !held.is_empty() {
-            let hold = |x: &mut Vec<f64>| self.foot_contacts.hold(held, &self.system, x);
-            shift = hold(&mut minimum.x);
+            shift = self.foot_contacts.hold(held, &self.system, &mut minimum.x);
             if held.len() > 1 && descent.problem.turns() {
                 // Contacts bend the target, and what bends turns on. That is no more than a few steps away.
+                let hold = |x: &mut Vec<f64>| self.foot_contacts.hold(held, &self.system, x);
                 (minimum.energy, shift) = descent.problem.settle(&mut minimum.x, self.max_steps, self.tolerance, hold);
             }
         }

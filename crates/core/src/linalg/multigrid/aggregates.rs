@@ -39,10 +39,10 @@ fn smoothed(matrix: &Rows, aggregates: Vec<u32>, count: usize) -> Rows {
     let n = matrix.count();
     let inverse = matrix.inverse_diagonal();
     let mut smoothing = matrix.clone();
-    for i in 0..n {
+    for (i, inverse) in inverse.iter().enumerate() {
         for k in matrix.starts[i] as usize..matrix.starts[i + 1] as usize {
             let identity = if matrix.columns[k] as usize == i { 1.0 } else { 0.0 };
-            smoothing.values[k] = identity - SMOOTHING * inverse[i] * matrix.values[k];
+            smoothing.values[k] = identity - SMOOTHING * inverse * matrix.values[k];
         }
     }
     smoothing.times(&Rows { starts: (0..=n as u32).collect(), columns: aggregates, values: vec![1.0; n] }, count)
@@ -69,12 +69,10 @@ fn aggregates(matrix: &Rows) -> (Vec<u32>, usize) {
         }
     }
     let first = aggregates.clone();
-    for i in 0..n {
-        if aggregates[i] == NONE {
-            let tied = strong(i).filter(|&(j, _)| first[j] != NONE);
-            let most = tied.min_by(|a, b| a.1.total_cmp(&b.1));
-            aggregates[i] = most.map_or(NONE, |(j, _)| first[j]);
-        }
+    for (i, aggregate) in aggregates.iter_mut().enumerate().filter(|(_, aggregate)| **aggregate == NONE) {
+        let tied = strong(i).filter(|&(j, _)| first[j] != NONE);
+        let most = tied.min_by(|a, b| a.1.total_cmp(&b.1));
+        *aggregate = most.map_or(NONE, |(j, _)| first[j]);
     }
     for i in 0..n {
         if aggregates[i] == NONE {

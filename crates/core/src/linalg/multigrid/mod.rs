@@ -176,8 +176,9 @@ impl Multigrid {
     fn solve_directly(&self, values: &[f64], b: &[[f64; 3]], x: &mut [[f64; 3]]) -> bool {
         let mut assembly = Assembly::new(self.size());
         for i in 0..self.size() {
-            for k in self.starts[i] as usize..self.starts[i + 1] as usize {
-                assembly.add(i, self.columns[k] as usize, values[k]);
+            let row = self.starts[i] as usize..self.starts[i + 1] as usize;
+            for (&j, value) in self.columns[row.clone()].iter().zip(&values[row]) {
+                assembly.add(i, j as usize, *value);
             }
         }
         let Ok(cholesky) = Cholesky::new(assembly.finish(), self.what) else { return false };
