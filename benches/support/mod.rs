@@ -111,11 +111,12 @@ pub fn settings(shape: Shape) -> Value {
 pub fn animal(shape: Shape) -> &'static Animal {
     static MADE: Mutex<BTreeMap<Shape, &'static Animal>> = Mutex::new(BTreeMap::new());
     let mut made = MADE.lock().expect("no bench has panicked");
-    *made.entry(shape).or_insert_with(|| {
+    let animal: &mut &'static Animal = made.entry(shape).or_insert_with(|| {
         let mesh = stage::<dyn Generator>(settings(shape)).make().expect("an animal");
         let surface = Surface::new(&mesh.rest).expect("a surface");
         Box::leak(Box::new(Animal { mesh, surface }))
-    })
+    });
+    animal
 }
 
 /// A horse of as many triangles as its target, and the target.
@@ -167,10 +168,11 @@ impl Pair {
 pub fn pair(target: Shape) -> &'static Pair {
     static MADE: Mutex<BTreeMap<Shape, &'static Pair>> = Mutex::new(BTreeMap::new());
     let mut made = MADE.lock().expect("no bench has panicked");
-    *made.entry(target).or_insert_with(|| {
+    let pair: &mut &'static Pair = made.entry(target).or_insert_with(|| {
         let faces = if let Shape::Horse(faces) | Shape::Camel(faces) = target { faces } else { 14_000 };
         Box::leak(Box::new(new_pair(animal(Shape::Horse(faces)), animal(target))))
-    })
+    });
+    pair
 }
 
 fn new_pair(source: &'static Animal, target: &'static Animal) -> Pair {
