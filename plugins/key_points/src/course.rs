@@ -105,6 +105,7 @@ mod tests {
             }
             1.0 - shares.0.into_inner().unwrap().pop().unwrap()
         };
-        assert!(left_after([false; 8]) < 0.7 * left_after([true; 8]));
+        // Eight of twelve places are done, and success is expected half as often.
+        assert!(left_after([false; 8]) < 0.8 * left_after([true; 8]));
     }
 }

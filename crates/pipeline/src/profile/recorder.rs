@@ -197,7 +197,10 @@ impl Fields for Found {
     }
 
     fn record_i64(&mut self, field: &Field, value: i64) {
-        self.other(field, value);
+        match u64::try_from(value) {
+            Ok(value) => self.record_u64(field, value),
+            Err(_) => self.other(field, value),
+        }
     }
 
     fn record_f64(&mut self, field: &Field, value: f64) {
