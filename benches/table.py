@@ -172,6 +172,15 @@ class Bench:
         file.write_text("\n".join(text) + "\n")
         return file
 
+    def on_stones(self, markers, nearest):
+        """The pairs of a file of markers, each with the stone's vertex that is nearest to the target's."""
+        stone_of = json.loads(nearest.read_text())["surface_vertex_to_stone_vertex"]
+        count, *pairs = markers.read_text().split("\n")
+        pairs = [[int(vertex) for vertex in pair.split(",")] for pair in pairs if pair.strip()]
+        file = self.folder / "stones.cons"
+        file.write_text("\n".join([count, *(f"{a}, {stone_of[b]}" for a, b in pairs)]) + "\n")
+        return file
+
     def frames(self, output, count):
         """Frames a second of a body onto itself, on two threads. The frames are six poses, blended in turn."""
         body = self.data / "bodies" / "source"
@@ -225,7 +234,8 @@ def rows(bench):
 
     def pebbles():
         poses = [str(horse / f"horse-{name}.obj") for name in ("01", "03", "05", "08", "10")]
-        pipeline = bench.combined(horse / "horse-reference.obj", poses, stones / "rest.obj", data / "markers" / "horse_camel.cons")
+        markers = bench.on_stones(data / "markers" / "horse_camel.cons", stones / "nearest.json")
+        pipeline = bench.combined(horse / "horse-reference.obj", poses, stones / "rest.obj", markers)
         return bench.run(pipeline)["process"]
 
     many = {"transfer": {"type": "biharmonic"}, "correspondence": None}
