@@ -10,7 +10,7 @@ use mimesh_pipeline::{
 use serde_json::{Value, json};
 
 fn pose(metrics: Value) -> PoseReport {
-    PoseReport { metrics: metrics.as_object().unwrap().clone(), ..PoseReport::default() }
+    PoseReport { metrics: metrics.as_object().unwrap().clone().into(), ..PoseReport::default() }
 }
 
 #[test]

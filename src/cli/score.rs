@@ -14,7 +14,7 @@ use mimesh_pipeline::{
     globs::GlobMatch,
     json::to_value,
     metrics::{over_poses, point_error},
-    report::PoseReport,
+    report::{PoseReport, Statistics},
     text::{count, some_of},
 };
 use nalgebra::Point3;
@@ -101,13 +101,13 @@ impl Score {
         let surface = Surface::new(rest).map_err(IntoDiagnostic::into_diagnostic)?;
         let mut poses = Vec::new();
         for (result, truth) in results.iter().zip(truths) {
-            let measure = |positions: &[Point3<f64>]| -> Result<Map<String, Value>> {
+            let measure = |positions: &[Point3<f64>]| -> Result<Statistics> {
                 let measured = point_error(rest, &surface, positions, &truth.mesh.positions);
                 let statistics = measured.map_err(|error| in_file(&result.file, error))?.statistics;
                 let statistics = to_value(&statistics);
-                Ok(std::iter::once(("point_error".to_owned(), statistics)).collect())
+                Ok(Map::from_iter([("point_error".to_owned(), statistics)]).into())
             };
-            let rest_baseline = if self.rest.is_some() { measure(&rest.positions)? } else { Map::new() };
+            let rest_baseline = if self.rest.is_some() { measure(&rest.positions)? } else { Statistics::default() };
             let metrics = measure(&result.mesh.positions)?;
             poses.push(PoseReport { name: result.name.clone(), metrics, rest_baseline, ..PoseReport::default() });
         }

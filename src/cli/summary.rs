@@ -246,9 +246,8 @@ fn of_poses(report: &Report, level: Level) -> Vec<String> {
 
 /// A table of the statistics of `metric`, with a row for each pose, the average, the worst and the mesh at rest.
 pub fn scores(metric: &str, summary: &Value, poses: &[PoseReport]) -> String {
-    let statistics_of = |pose: &PoseReport| pose.metrics.get(metric).and_then(Value::as_object).cloned();
     let scored: Vec<(&str, Map<String, Value>)> =
-        poses.iter().filter_map(|pose| Some((pose.name.as_str(), statistics_of(pose)?))).collect();
+        poses.iter().filter_map(|pose| Some((pose.name.as_str(), pose.metrics.get(metric)?))).collect();
     let mut columns: Vec<&String> = Vec::new();
     for key in scored.iter().flat_map(|(_, statistics)| statistics.keys()) {
         // The table leaves out counts that are 0 everywhere.

@@ -33,7 +33,9 @@ impl PosedNormals {
         let normals = mesh.normals.as_ref().unwrap_or(&none);
         let distinct = distinct(&normals.values);
 
-        let mut numbers: HashMap<(u32, Option<u32>), u32> = HashMap::new();
+        // The groups at a place are few: a list of them, the last one first.
+        let mut last = vec![NONE; mesh.positions.len()];
+        let mut listed: Vec<Listed> = Vec::new();
         let mut group_of = Vec::with_capacity(mesh.polygons.corner_count());
         let mut groups = Turned::default();
         let mut uses = Vec::new();
@@ -44,9 +46,16 @@ impl PosedNormals {
                 let value = normals.indices.get(corner).copied().flatten();
                 // A normal without a direction, as exporters write where a face has no area, is as good as none.
                 let given = value.filter(|&v| Vector3::from(normals.values[v as usize]).norm_squared() > 0.0);
-                let key = (place(corners[at]), given.map(|v| distinct[v as usize]));
-                let group = *numbers.entry(key).or_insert(groups.rest.len() as u32);
-                if group as usize == groups.rest.len() {
+                let normal = given.map(|v| distinct[v as usize]);
+                let last = &mut last[place(corners[at]) as usize];
+                let mut group = *last;
+                while group != NONE && listed[group as usize].normal != normal {
+                    group = listed[group as usize].before;
+                }
+                if group == NONE {
+                    group = listed.len() as u32;
+                    listed.push(Listed { normal, before: *last });
+                    *last = group;
                     groups.rest.push(given.map_or([0.0; 3], |v| normals.values[v as usize]));
                     groups.edges.push([corners[at], corners[(at + 1) % corners.len()]]);
                 }
@@ -57,10 +66,8 @@ impl PosedNormals {
         groups.areas = group_areas(&group_of, groups.rest.len(), &mesh.polygons, rest);
         groups.frames = frames(&groups.areas, &groups.edges, rest);
         // A group without a normal of the file has the one it was given here.
-        for ((_, value), group) in numbers {
-            if value.is_none() {
-                groups.rest[group as usize] = unit(groups.areas[group as usize]);
-            }
+        for (group, _) in listed.iter().enumerate().filter(|(_, group)| group.normal.is_none()) {
+            groups.rest[group] = unit(groups.areas[group]);
         }
 
         uses.sort_unstable();
@@ -106,6 +113,17 @@ impl PosedNormals {
     fn value_areas(&self, areas: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
         (0..self.starts.len() - 1).map(|v| self.members_of(v).iter().map(|&g| areas[g as usize]).sum()).collect()
     }
+}
+
+/// No group.
+const NONE: u32 = u32::MAX;
+
+/// A group while groups are found.
+struct Listed {
+    /// The normal of its corners, by the first value that is the same.
+    normal: Option<u32>,
+    /// The group at the same place that was found before it, or [`NONE`].
+    before: u32,
 }
 
 /// Normals at rest and what tells how they turn.

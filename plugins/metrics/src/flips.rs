@@ -2,6 +2,7 @@
 
 use mimesh_core::{mesh::Surface, operators::rotations};
 use nalgebra::{Matrix3, Point3, Vector3};
+use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 
 /// A surface at rest.
@@ -79,41 +80,12 @@ impl<'a> Rest<'a> {
 
     /// Whether each triangle is flipped in a pose.
     pub fn flipped(&self, posed: &[Posed]) -> Vec<bool> {
-        let mut rings = vec![Matrix3::zeros(); self.vertex_count];
-        let mut with_area = Vec::with_capacity(posed.len());
-        for (t, (rest, now)) in self.frames.iter().zip(posed).enumerate() {
-            let Some((rest, area)) = rest.as_ref().zip(now.area()) else { continue };
-            let normal = now.normal * (rest.area / area).sqrt();
-            let term = now.edges[0] * rest.edges[0].transpose()
-                + now.edges[1] * rest.edges[1].transpose()
-                + normal * rest.normal.transpose();
-            self.triangles[t].iter().for_each(|&v| rings[v as usize] += term);
-            with_area.push((t as u32, rest.normal));
-        }
-        let ring = |t: u32| self.triangles[t as usize].iter().map(|&v| rings[v as usize]).sum::<Matrix3<f64>>();
-        let is_flipped = |triangles: &[(u32, Vector3<f64>)]| {
-            let normal = |t: u32| &posed[t as usize].normal;
-            let mut flipped = Vec::with_capacity(triangles.len());
-            let (mut open, mut sums) = (Vec::new(), Vec::new());
-            for (place, &(t, n)) in triangles.iter().enumerate() {
-                let sum = ring(t);
-                let points_backwards = points_backwards(&sum, &n, normal(t));
-                flipped.push(points_backwards.unwrap_or(false));
-                if points_backwards.is_none() {
-                    open.push(place);
-                    sums.push(sum);
-                }
-            }
-            for (place, turn) in open.into_iter().zip(rotations(&sums)) {
-                let (t, n) = triangles[place];
-                flipped[place] = normal(t).dot(&(turn * n)) < 0.0;
-            }
-            flipped
+        let mut rings = vec![[[0.0; 4]; 3]; self.vertex_count];
+        Arch::new().dispatch(AddTerms { rest: self, posed, rings: &mut rings });
+        let is_flipped = |(chunk, posed): (usize, &[Posed])| {
+            Arch::new().dispatch(Flipped { rest: self, first: chunk * CHUNK, posed, rings: &rings })
         };
-        let found: Vec<bool> = with_area.par_chunks(1024).flat_map_iter(is_flipped).collect();
-        let mut flipped = vec![false; posed.len()];
-        with_area.iter().zip(found).for_each(|((t, _), found)| flipped[*t as usize] = found);
-        flipped
+        posed.par_chunks(CHUNK).enumerate().flat_map_iter(is_flipped).collect()
     }
 
     /// The area at rest of flipped triangles, in percent of all.
@@ -130,6 +102,88 @@ impl<'a> Rest<'a> {
     }
 }
 
+/// A 3 × 3 matrix by columns, each filled up to a vector of the processor.
+type Columns = [[f64; 4]; 3];
+
+/// Triangles that are looked at together.
+const CHUNK: usize = 1024;
+
+/// Adds what each triangle brings to the sums at its vertices.
+struct AddTerms<'a> {
+    rest: &'a Rest<'a>,
+    posed: &'a [Posed],
+    rings: &'a mut [Columns],
+}
+
+// Inlined into the function that the processor's instructions are chosen for.
+impl NullaryFnOnce for AddTerms<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Self { rest, posed, rings } = self;
+        for ((rest, now), corners) in rest.frames.iter().zip(posed).zip(rest.triangles) {
+            let Some((rest, area)) = rest.as_ref().zip(now.area()) else { continue };
+            let now = [now.edges[0], now.edges[1], now.normal * (rest.area / area).sqrt()].map(filled);
+            let rest = [rest.edges[0], rest.edges[1], rest.normal];
+            let term: Columns = std::array::from_fn(|column| {
+                std::array::from_fn(|row| {
+                    now[0][row] * rest[0][column] + now[1][row] * rest[1][column] + now[2][row] * rest[2][column]
+                })
+            });
+            corners.iter().for_each(|&v| add(&mut rings[v as usize], &term));
+        }
+    }
+}
+
+/// Whether each triangle is flipped, from number `first` on.
+struct Flipped<'a> {
+    rest: &'a Rest<'a>,
+    first: usize,
+    posed: &'a [Posed],
+    rings: &'a [Columns],
+}
+
+impl NullaryFnOnce for Flipped<'_> {
+    type Output = Vec<bool>;
+
+    #[inline(always)]
+    fn call(self) -> Vec<bool> {
+        let Self { rest, first, posed, rings } = self;
+        let mut flipped = vec![false; posed.len()];
+        let (mut open, mut sums) = (Vec::new(), Vec::new());
+        for (place, now) in posed.iter().enumerate() {
+            let Some((frame, _)) = rest.frames[first + place].as_ref().zip(now.area()) else { continue };
+            let [a, b, c] = rest.triangles[first + place].map(|v| &rings[v as usize]);
+            let mut sum = *a;
+            add(&mut sum, b);
+            add(&mut sum, c);
+            let sum = Matrix3::from_fn(|row, column| sum[column][row]);
+            match points_backwards(&sum, &frame.normal, &now.normal) {
+                Some(points_backwards) => flipped[place] = points_backwards,
+                None => {
+                    open.push((place, frame.normal));
+                    sums.push(sum);
+                }
+            }
+        }
+        for ((place, normal), turn) in open.into_iter().zip(rotations(&sums)) {
+            flipped[place] = posed[place].normal.dot(&(turn * normal)) < 0.0;
+        }
+        flipped
+    }
+}
+
+#[inline(always)]
+fn filled(vector: Vector3<f64>) -> [f64; 4] {
+    [vector.x, vector.y, vector.z, 0.0]
+}
+
+#[inline(always)]
+fn add(to: &mut Columns, term: &Columns) {
+    to.iter_mut().zip(term).for_each(|(to, term)| (0..4).for_each(|row| to[row] += term[row]));
+}
+
 /// The corners of each triangle.
 fn corners(triangles: &[[u32; 3]], positions: &[Point3<f64>]) -> impl Iterator<Item = [Point3<f64>; 3]> {
     triangles.iter().map(|t| t.map(|v| positions[v as usize]))
@@ -140,6 +194,7 @@ fn corners(triangles: &[[u32; 3]], positions: &[Point3<f64>]) -> impl Iterator<I
 /// With F = R S, one scaled step of Newton's iteration for R gives a matrix along R S₁, where the eigenvalues of S₁ are 1 at least. By the
 /// Frobenius norm they are k at most, k² = (p − 1) / 2 with p = ‖F‖ ‖cof F‖ / det F. So S₁ turns no vector by more than an angle of
 /// sine (k − 1) / (k + 1), and R n lies that near to y = cof F n + F n ‖cof F‖ / ‖F‖.
+#[inline(always)]
 fn points_backwards(f: &Matrix3<f64>, n: &Vector3<f64>, m: &Vector3<f64>) -> Option<bool> {
     let [a, b, c] = [0, 1, 2].map(|k| f.column(k));
     let cofactors = Matrix3::from_columns(&[b.cross(&c), c.cross(&a), a.cross(&b)]);

@@ -57,7 +57,7 @@ impl Weights for Biharmonic {
         let points = HandlePoints::new(surface, points)?;
         let domain = Domain::new(surface, proximity, self.bridge)?;
         let energy = |group: &Group| Bilaplacian::new(&group.laplacian, &group.mass).matrix;
-        let greens = Greens::new(domain, points, energy, "the energy of biharmonic weights")?;
+        let greens = Greens::new(domain, points, energy, "the energy of biharmonic weights", true)?;
         Ok(Box::new(Bound { greens, clamp: self.clamp }))
     }
 }

@@ -5,17 +5,21 @@
 
 use mimesh_core::{
     Figures, Result,
-    linalg::Cholesky,
+    linalg::Multifrontal,
     stage::{HandlePoints, HandleWeights},
 };
 use nalgebra::DMatrix;
 use nalgebra_sparse::CscMatrix;
+use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 
 use crate::domain::{Domain, Group};
 
-/// Right-hand sides that are solved for at a time.
-const BATCH: usize = 16;
+/// Vertices that are summed over at a time: a block of a column stays in the first cache.
+const BLOCK: usize = 1024;
+
+/// Right-hand sides that are solved for at a time: as many as the factorisation takes at once.
+const BATCH: usize = 8;
 
 /// Green's functions at the points of a domain.
 #[derive(Debug)]
@@ -27,12 +31,14 @@ pub struct Greens {
 }
 
 impl Greens {
-    /// Solves for `points`; `energy` gives the lower triangle of A for a group, and `what` names it in errors.
+    /// Solves for `points`; `energy` gives the lower triangle of A for a group, and `what` names it in errors. Solutions are
+    /// `refined` where A is badly conditioned, as the square of an operator is.
     pub fn new(
         domain: Domain,
         points: HandlePoints,
         energy: impl Fn(&Group) -> CscMatrix<f64> + Sync,
         what: &'static str,
+        refined: bool,
     ) -> Result<Self> {
         let mut of_group: Vec<Vec<(usize, usize)>> = vec![Vec::new(); domain.groups.len()];
         for (k, &v) in points.all().iter().enumerate() {
@@ -49,13 +55,17 @@ impl Greens {
             let mut matrix = energy(group);
             let values = crate::bilaplacian::without(&matrix, &held);
             matrix.values_mut().copy_from_slice(&values);
-            let cholesky = Cholesky::new(matrix, what)?;
+            let factor = Multifrontal::factored(&matrix, what)?;
             let batch = |batch: &[(usize, usize)]| {
                 let mut columns = vec![0.0; n * batch.len()];
                 for (column, &(_, local)) in columns.chunks_mut(n).zip(batch) {
                     column[local] = f64::from(u8::from(local != origin));
                 }
-                cholesky.solve_refined_in_place(&mut columns, batch.len());
+                if refined {
+                    factor.solve_refined_in_place(&matrix, &mut columns);
+                } else {
+                    factor.solve_in_place(&mut columns);
+                }
                 batch.iter().map(|p| p.0).zip(columns.chunks(n).map(<[f64]>::to_vec)).collect::<Vec<_>>()
             };
             Ok(points.par_chunks(BATCH).flat_map_iter(batch).collect())
@@ -89,16 +99,26 @@ impl Greens {
                     hint: "look for handles on parts of the mesh without area: `mimesh inspect MESH`".into(),
                 }
             })?;
-            for (k, &handle) in own.iter().enumerate() {
+            let functions: Vec<&[f64]> = (0..count).map(|k| greens(k).as_slice()).collect();
+            let columns: Vec<Vec<f64>> = (0..count)
+                .into_par_iter()
+                .map(|k| {
+                    let factors: Vec<f64> = (0..count).map(|j| found[(j, k)]).collect();
+                    let mut column = vec![found[(count, k)]; group.vertices.len()];
+                    Arch::new().dispatch(AddFunctions {
+                        functions: &functions,
+                        factors: &factors,
+                        column: &mut column,
+                    });
+                    // Rounding away from what is asked for exactly.
+                    (0..count).for_each(|j| column[at(j)] = f64::from(u8::from(j == k)));
+                    column
+                })
+                .collect();
+            for (k, (&handle, column)) in own.iter().zip(&columns).enumerate() {
                 energies[handle] = 0.5 * found[(k, k)] / unit(group);
-                let mut column = vec![found[(count, k)]; group.vertices.len()];
-                for j in 0..count {
-                    let lambda = found[(j, k)];
-                    column.iter_mut().zip(greens(j)).for_each(|(w, g)| *w += lambda * g);
-                }
-                // Rounding away from what is asked for exactly.
-                (0..count).for_each(|j| column[at(j)] = f64::from(u8::from(j == k)));
-                group.vertices.iter().zip(&column).for_each(|(&v, &w)| matrix[(v as usize, handle)] = w);
+                let mut weights = matrix.column_mut(handle);
+                group.vertices.iter().zip(column).for_each(|(&v, &w)| weights[v as usize] = w);
             }
         }
         for [v, by] in self.domain.unreached(&by_group)? {
@@ -115,5 +135,28 @@ impl Greens {
     /// The report of binding.
     pub fn figures(&self) -> Figures {
         self.domain.figures()
+    }
+}
+
+/// Adds λₖ gₖ of all points to a column.
+struct AddFunctions<'a> {
+    functions: &'a [&'a [f64]],
+    factors: &'a [f64],
+    column: &'a mut [f64],
+}
+
+// Inlined into the function that the processor's instructions are chosen for.
+impl NullaryFnOnce for AddFunctions<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Self { functions, factors, column } = self;
+        for (block, sums) in column.chunks_mut(BLOCK).enumerate() {
+            for (function, factor) in functions.iter().zip(factors) {
+                let function = &function[block * BLOCK..][..sums.len()];
+                sums.iter_mut().zip(function).for_each(|(sum, g)| *sum += factor * g);
+            }
+        }
     }
 }

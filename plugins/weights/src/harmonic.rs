@@ -50,7 +50,7 @@ impl Weights for Harmonic {
         let points = HandlePoints::new(surface, points)?;
         let domain = Domain::new(surface, proximity, self.bridge)?;
         let energy = |group: &Group| group.laplacian.clone();
-        Ok(Box::new(Bound(Greens::new(domain, points, energy, "the energy of harmonic weights")?)))
+        Ok(Box::new(Bound(Greens::new(domain, points, energy, "the energy of harmonic weights", false)?)))
     }
 }
 

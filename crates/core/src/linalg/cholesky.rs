@@ -13,7 +13,10 @@ use faer::{
 };
 use nalgebra_sparse::CscMatrix;
 
-use super::symbolic::{analyse, analyse_in_given_order, singular, view};
+use super::{
+    residual::subtract_product,
+    symbolic::{analyse, analyse_in_given_order, singular, view},
+};
 use crate::{Error, Result};
 
 /// A sparse Cholesky factorisation A = L Lᵀ, ordered by approximate minimum degree.
@@ -175,7 +178,7 @@ impl Cholesky {
         let mut residual = rhs.to_vec();
         self.solve_in_place(rhs, columns);
         for (r, x) in residual.chunks_mut(self.size()).zip(rhs.chunks(self.size())) {
-            self.subtract_product(x, r);
+            subtract_product(&self.matrix, x, r);
         }
         self.solve_in_place(&mut residual, columns);
         rhs.iter_mut().zip(&residual).for_each(|(x, dx)| *x += dx);
@@ -265,20 +268,6 @@ impl Cholesky {
                     pivots.extend((0..columns).map(|k| (row(supernode.start() + k), values[(k, k)].powi(2))));
                 }
                 pivots
-            }
-        }
-    }
-
-    /// r −= A x.
-    fn subtract_product(&self, x: &[f64], r: &mut [f64]) {
-        for (j, column) in self.matrix.col_iter().enumerate() {
-            for (&i, &value) in column.row_indices().iter().zip(column.values()) {
-                if i >= j {
-                    r[i] -= value * x[j];
-                }
-                if i > j {
-                    r[j] -= value * x[i];
-                }
             }
         }
     }

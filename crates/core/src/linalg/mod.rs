@@ -1,10 +1,9 @@
 //! Sparse symmetric positive definite systems: assembled once, factored when values change, solved often.
 //!
 //! Matrices are `nalgebra_sparse` CSC matrices that hold the lower triangle; faer factors them, or several at once
-//! [in lanes](LaneCholesky). Large Laplacians are solved [on several grids](Multigrid). Everything here runs on the calling thread:
-//! callers spread right-hand sides, poses and handles over threads themselves, which measures faster than threads inside a
-//! factorisation. Only [`Blocks`], [`Multifrontal`] and
-//! [`FixedUnknowns::for_refactoring`] use the threads there are.
+//! [in lanes](LaneCholesky). Large ones that are factored often have [fronts](Multifrontal). Everything here runs on the calling
+//! thread: callers spread right-hand sides, poses and handles over threads themselves, which measures faster than threads inside a
+//! factorisation. Only [`Blocks`], [`Multifrontal`] and [`FixedUnknowns::for_refactoring`] use the threads there are.
 
 mod assembly;
 mod blocks;
@@ -12,7 +11,7 @@ mod cholesky;
 mod fixed;
 mod lanes;
 mod multifrontal;
-mod multigrid;
+mod residual;
 mod symbolic;
 
 pub use assembly::Assembly;
@@ -21,4 +20,3 @@ pub use cholesky::Cholesky;
 pub use fixed::FixedUnknowns;
 pub use lanes::{LaneCholesky, LanePattern};
 pub use multifrontal::Multifrontal;
-pub use multigrid::{Grids, Multigrid};

@@ -21,7 +21,7 @@ pub struct PrimaryStatistic {
 impl PrimaryStatistic {
     /// Its value in a pose; `None` if it was not measured.
     pub fn of(&self, pose: &PoseReport) -> Option<f64> {
-        pose.metrics.get(&self.metric)?.get(&self.statistic)?.as_f64()
+        pose.metrics.number(&self.metric, &self.statistic)
     }
 
     /// Whether all poses share its value, since its metric looks at rest meshes, markers and the map alone.
@@ -35,14 +35,14 @@ impl PrimaryStatistic {
 /// `point_error` comes first, since a known error says more than a suspicion.
 pub fn primary_statistics(poses: &[PoseReport]) -> Vec<PrimaryStatistic> {
     let mut all: Vec<PrimaryStatistic> = Vec::new();
-    for (metric, values) in poses.iter().flat_map(|pose| &pose.metrics) {
-        if all.iter().any(|one| one.metric == *metric) {
+    for (pose, metric) in poses.iter().flat_map(|pose| pose.metrics.metrics().map(move |metric| (pose, metric))) {
+        if all.iter().any(|one| one.metric == metric) {
             continue;
         }
-        let first = || values.as_object()?.iter().find(|(_, value)| value.is_number()).map(|(name, _)| name.clone());
+        let first = || pose.metrics.first_number(metric).map(str::to_owned);
         let declared = declared(metric).first().map(|statistic| statistic.name.to_owned());
         if let Some(statistic) = declared.or_else(first) {
-            all.push(PrimaryStatistic { metric: metric.clone(), statistic });
+            all.push(PrimaryStatistic { metric: metric.to_owned(), statistic });
         }
     }
     let reasons = poses.iter().filter_map(|pose| pose.verdict.as_ref()).flat_map(|verdict| &verdict.reasons);
@@ -61,19 +61,20 @@ pub fn primary_statistics(poses: &[PoseReport]) -> Vec<PrimaryStatistic> {
 /// target had stayed at rest).
 pub fn over_poses(poses: &[PoseReport]) -> Map<String, Value> {
     let mut result = Map::new();
-    for metric in poses.iter().flat_map(|pose| pose.metrics.keys()) {
+    for metric in poses.iter().flat_map(|pose| pose.metrics.metrics()) {
         if result.contains_key(metric) {
             continue;
         }
         let statistics = declared(metric);
-        let measured: Vec<&Value> = poses.iter().filter_map(|pose| pose.metrics.get(metric)).collect();
-        let baseline: Vec<&Value> = poses.iter().filter_map(|pose| pose.rest_baseline.get(metric)).collect();
+        let measured: Vec<Map<String, Value>> = poses.iter().filter_map(|pose| pose.metrics.get(metric)).collect();
+        let baseline: Vec<Map<String, Value>> =
+            poses.iter().filter_map(|pose| pose.rest_baseline.get(metric)).collect();
         let summary = json!({
             "average": combine(&measured, &statistics, average),
             "worst": combine(&measured, &statistics, |_, values| largest(values)),
             "nothing": combine(&baseline, &statistics, average),
         });
-        result.insert(metric.clone(), summary);
+        result.insert(metric.to_owned(), summary);
     }
     result
 }
@@ -86,9 +87,9 @@ fn declared(metric: &str) -> Vec<Statistic> {
 /// Combines each statistic of `poses` (mappings of statistics to values) by `how`, which also gets the declared aggregate.
 ///
 /// Statistics that are not declared are averaged; lists are combined number by number.
-fn combine(poses: &[&Value], declared: &[Statistic], how: impl Fn(Aggregate, &[f64]) -> f64) -> Value {
+fn combine(poses: &[Map<String, Value>], declared: &[Statistic], how: impl Fn(Aggregate, &[f64]) -> f64) -> Value {
     let mut result = Map::new();
-    for name in poses.iter().filter_map(|values| values.as_object()).flat_map(|values| values.keys()) {
+    for name in poses.iter().flat_map(|values| values.keys()) {
         let statistic = declared.iter().find(|statistic| statistic.name == name);
         let aggregate = statistic.map(|statistic| statistic.aggregate).unwrap_or_default();
         if aggregate == Aggregate::None || result.contains_key(name) {

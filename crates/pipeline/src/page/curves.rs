@@ -2,6 +2,7 @@
 
 use maud::{Markup, html};
 use mimesh_core::{plugin, stage::Metric};
+use serde_json::Value;
 
 use super::chart::{Axes, Line, chart, round_up};
 use crate::{
@@ -12,7 +13,7 @@ use crate::{
 /// Returns the share of vertices within an error, and the main figure of each metric over poses.
 pub fn curves(report: &Report) -> Markup {
     let shares: Vec<Vec<f64>> =
-        report.poses.iter().filter_map(|pose| shares(pose.metrics.get("point_error")?)).collect();
+        report.poses.iter().filter_map(|pose| shares(&Value::Object(pose.metrics.get("point_error")?))).collect();
     let columns = if report.poses.len() > 1 { primary_statistics(&report.poses) } else { vec![] };
     html! {
         @if !shares.is_empty() || !columns.is_empty() {

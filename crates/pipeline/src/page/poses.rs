@@ -17,7 +17,7 @@ pub fn worst(report: &Report, images: &[Image]) -> Markup {
     let fine = report.poses.iter().all(is_fine);
     // Beside what is wrong, what is good needs no second look; where all is good, the largest errors are of interest.
     shown.retain(|(_, pose)| fine || pose.verdict.as_ref().is_some_and(|verdict| verdict.level > Level::Good));
-    let measured = shown.iter().any(|(_, pose)| pose.metrics.contains_key("point_error"));
+    let measured = shown.iter().any(|(_, pose)| pose.metrics.metrics().any(|metric| metric == "point_error"));
     html! {
         @if !shown.is_empty() && (!fine || measured) {
             section {

@@ -9,7 +9,7 @@ use mimesh_core::{
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
-use super::{process::Usage, stage::StageReport};
+use super::{process::Usage, stage::StageReport, statistics::Statistics};
 use crate::{
     choices::Choice,
     compose::Variant,
@@ -176,11 +176,11 @@ pub struct PoseReport {
     #[serde(skip)]
     pub rest_verdict: Option<Verdict>,
     /// For each metric its statistics.
-    #[serde(default, skip_serializing_if = "Map::is_empty")]
-    pub metrics: Map<String, Value>,
+    #[serde(default, skip_serializing_if = "Statistics::is_empty")]
+    pub metrics: Statistics,
     /// The statistics of the target at rest against the ground truth, as if nothing had been transferred.
-    #[serde(rename = "nothing", default, skip_serializing_if = "Map::is_empty")]
-    pub rest_baseline: Map<String, Value>,
+    #[serde(rename = "nothing", default, skip_serializing_if = "Statistics::is_empty")]
+    pub rest_baseline: Statistics,
 }
 
 impl MeshFigures {

@@ -254,7 +254,7 @@ fn unmeasured_gate(gate: &Gate) -> String {
 fn is_measured(gate: &Gate, poses: &[PoseReport]) -> bool {
     let is_reason = |reason: &Reason| reason.level == Level::Failed && reason.metric == gate.metric;
     poses.iter().any(|pose| {
-        pose.metrics.get(&gate.metric).is_some_and(|statistics| statistics.get(&gate.statistic).is_some())
+        pose.metrics.contains(&gate.metric, &gate.statistic)
             || [&pose.verdict, &pose.rest_verdict]
                 .into_iter()
                 .flatten()

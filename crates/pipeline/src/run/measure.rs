@@ -130,7 +130,7 @@ impl Measurer<'_> {
         }
         report.verdict = self.metrics.verdict(metrics);
         report.rest_verdict = self.metrics.rest_verdict(metrics);
-        report.metrics = metrics.statistics.clone();
-        report.rest_baseline = metrics.rest_baseline.clone();
+        report.metrics = metrics.statistics.clone().into();
+        report.rest_baseline = metrics.rest_baseline.clone().into();
     }
 }

@@ -73,7 +73,12 @@ impl Stream {
     fn add(&mut self, pose: &PoseInput, output: PoseOutput) {
         let warnings = output.report.figures.warnings.iter();
         self.warnings.extend(warnings.map(|warning| format!("pose {}: {warning}", pose.name)));
-        self.poses.push(output.report);
+        let mut report = output.report;
+        if let Some(before) = self.poses.last() {
+            report.metrics.share_names(&before.metrics);
+            report.rest_baseline.share_names(&before.rest_baseline);
+        }
+        self.poses.push(report);
         self.files.extend(output.files);
     }
 

@@ -1,6 +1,6 @@
 //! The files of a run beside its meshes: the correspondence, pages, sheets and the report, written to temporary files.
 
-use std::path::Path;
+use std::{io, path::Path};
 
 use mimesh_core::{Error, stage::TriangleMap};
 use mimesh_document::Diagnostic;
@@ -45,6 +45,8 @@ pub(super) fn visual_outputs(
 
 /// The report as JSON.
 pub(super) fn report(path: &Path, report: &Report) -> Result<Staged, Diagnostic> {
-    let text = format!("{:#}\n", to_value(report));
-    staging::stage_bytes(path, text.as_bytes())
+    staging::stage(path, |out| {
+        let written = serde_json::to_writer_pretty(&mut *out, report).map_err(io::Error::from);
+        written.and_then(|()| writeln!(out)).map_err(|error| Error::write(path, error))
+    })
 }

@@ -277,7 +277,8 @@ impl Bound {
             goals: prior.map_or_else(Vec::new, |(_, b)| b.to_vec()),
         };
         let rhs = self.system.rhs(field, continued);
-        (Problem { system: &self.system, gaps, field, continued, known, prior, rhs }, directions)
+        let edge_goals = self.system.gradient_term.goals(field);
+        (Problem { system: &self.system, gaps, field, edge_goals, continued, known, prior, rhs }, directions)
     }
 
     /// How the surface around a vertex has turned.

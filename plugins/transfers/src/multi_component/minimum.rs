@@ -4,6 +4,7 @@ use nalgebra::{Matrix3, Point3, Vector3};
 
 use super::{
     gaps::Gap,
+    gradient_term::EdgeGoals,
     prior::Prior,
     system::{Continued, Sideways, System},
 };
@@ -19,6 +20,8 @@ pub struct Problem<'a> {
     pub system: &'a System,
     pub gaps: &'a [Gap],
     pub field: &'a [Matrix3<f64>],
+    /// Where the field has the edges of triangles.
+    pub edge_goals: Vec<EdgeGoals>,
     pub continued: Continued<'a>,
     /// The vectors of gaps of which more than the length is known.
     pub known: Vec<Option<Vector3<f64>>>,
@@ -111,7 +114,8 @@ impl Problem<'_> {
             gap.weight
                 * known.map_or_else(|| (now.norm() - gap.rest.norm()).powi(2), |goal| (now - goal).norm_squared())
         };
-        self.system.energy(x, self.field, self.continued)
+        self.system.gradient_term.energy(&positions, &self.edge_goals)
+            + self.system.energy(x, &positions, self.field, self.continued)
             + self.gaps.iter().zip(&self.known).map(of_gap).sum::<f64>()
             // Before foot contacts shift the target as a whole, which E5 is not to mind.
             + self.prior.map_or(0.0, |(prior, b)| prior.energy(b, &positions))

@@ -25,6 +25,7 @@
 mod bound;
 mod foot_contacts;
 mod gaps;
+mod gradient_term;
 mod joints;
 mod minimum;
 mod prior;

@@ -12,6 +12,7 @@ use nalgebra_sparse::CscMatrix;
 
 use super::{
     gaps::Gap,
+    gradient_term::GradientTerm,
     term_weights::TermWeights,
     tetrahedra::{Bridge, bridges},
 };
@@ -34,8 +35,8 @@ pub struct System {
     triangles: Vec<[u32; 3]>,
     /// The factor of a gradient in the right-hand side of each corner, by columns (E1, and a little for every triangle).
     rhs_of_gradient: Vec<Matrix3<f64>>,
-    /// Their gradients and weights.
-    gradients: Vec<Option<(Gradient, f64)>>,
+    /// E1.
+    pub gradient_term: GradientTerm,
     /// Neighbouring orphans (E2).
     smooth_pairs: Vec<SmoothPair>,
     /// Orphans with a corresponding neighbour, by which they are held (E2).
@@ -220,7 +221,7 @@ impl System {
             diagonal: target.diagonal(),
             triangles: target.triangles.clone(),
             rhs_of_gradient,
-            gradients: (0..gradients.len()).map(known).collect(),
+            gradient_term: GradientTerm::new(target, known),
             smooth_pairs,
             held,
             bridges,
@@ -360,16 +361,16 @@ impl System {
         self.detail.is_some()
     }
 
-    /// E1 + E2 + E4 of a solution; E3 is the gaps' own, E5 the prior's.
-    pub fn energy(&self, x: &[f64], field: &[Matrix3<f64>], continued: Continued<'_>) -> f64 {
-        let positions = self.positions(x);
+    /// E2 + E4 of a solution x with its `positions`.
+    pub fn energy(
+        &self,
+        x: &[f64],
+        positions: &[Point3<f64>],
+        field: &[Matrix3<f64>],
+        continued: Continued<'_>,
+    ) -> f64 {
         let at = |i: u32, c: usize| x[c * self.unknowns + i as usize];
-        let mut energy = self.detail.as_ref().map_or(0.0, |detail| detail.energy(&positions));
-        for ((t, gradient), f) in self.triangles.iter().zip(&self.gradients).zip(field) {
-            let Some((gradient, weight)) = gradient else { continue };
-            let projection = gradient.of_posed(&t.map(|v| self.rest[v as usize]));
-            energy += weight * (f * projection - gradient.of_posed(&t.map(|v| positions[v as usize]))).norm_squared();
-        }
+        let mut energy = self.detail.as_ref().map_or(0.0, |detail| detail.energy(positions));
         for (Bridge { elements: [a, b], .. }, weight) in &self.bridges {
             energy += weight * (a.deformation_gradient(at) - b.deformation_gradient(at)).norm_squared();
         }

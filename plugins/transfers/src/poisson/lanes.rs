@@ -2,7 +2,7 @@
 
 use mimesh_core::{
     Error, Result,
-    linalg::{Grids, LaneCholesky},
+    linalg::{LaneCholesky, Multifrontal},
 };
 use nalgebra::{Matrix3, Point3, Vector3};
 use pulp::{Arch, NullaryFnOnce};
@@ -14,14 +14,6 @@ use super::{
 
 /// Reweighting stops once a step lowers the energy by less than this part of it.
 const MIN_ENERGY_DECREASE: f64 = 1e-3;
-
-/// Without reweighting, [`Multigrid`](mimesh_core::linalg::Multigrid) solves to the precision of numbers. (This is relative to the
-/// square of the error.)
-const EXACT: f64 = 1e-20;
-
-/// Before and while weights change it stops sooner: what is left is small against what the next weights change. Energies of a tenth of
-/// that differ by 1e-5.
-const BETWEEN: f64 = 1e-3;
 
 /// The room of a solve in any number of lanes.
 #[derive(Debug, Default)]
@@ -47,8 +39,8 @@ pub(super) struct Room<const N: usize> {
 #[derive(Debug)]
 enum Matrices<const N: usize> {
     Lanes(LaneCholesky<N>),
-    /// The values of one lower triangle, and its grids.
-    Large(Vec<[f64; N]>, Box<Grids>),
+    /// The values of one lower triangle, and its factor.
+    Fronts(Vec<[f64; N]>, Multifrontal),
 }
 
 /// What one pass over the elements sums up, not yet over Σ w_t.
@@ -69,7 +61,8 @@ impl Poisson {
         self.start(fields, room);
         let mut solutions: Vec<Option<Result<Solution>>> = fields.iter().map(|_| None).collect();
         let mut energies: Vec<Vec<f64>> = vec![vec![]; fields.len()];
-        let mut is_solved = self.solve_least_squares(fit, room);
+        self.solve_least_squares(room);
+        let mut is_solved = [true; N];
         for step in 0.. {
             let is_last = step == fit.steps;
             let sums = self.pass(fit, room, is_last);
@@ -129,63 +122,41 @@ impl Poisson {
     fn size(&self) -> usize {
         match &self.system {
             System::Lanes { pattern, .. } => pattern.size(),
-            System::Large(grids) => grids.size(),
-        }
-    }
-
-    fn entry_count(&self) -> usize {
-        match &self.system {
-            System::Lanes { .. } => 0,
-            System::Large(grids) => grids.entry_count(),
+            System::Fronts(least_squares) => least_squares.size(),
         }
     }
 
     fn singular(&self) -> Error {
         match &self.system {
             System::Lanes { least_squares, .. } => least_squares.singular(),
-            System::Large(grids) => grids.singular(),
+            System::Fronts(least_squares) => least_squares.singular(),
         }
     }
 
-    fn solve_least_squares<const N: usize>(&self, fit: Fit, room: &mut Room<N>) -> [bool; N] {
-        let is_solved = match &self.system {
-            System::Lanes { least_squares, .. } => {
-                least_squares.solve_lanes_in_place(&mut room.x);
-                true
-            }
-            System::Large(grids) => {
-                let b = first_lane(&room.x[..grids.size()]);
-                let mut x = vec![[0.0; 3]; b.len()];
-                let tolerance = if fit.steps == 0 { EXACT } else { BETWEEN };
-                let is_solved = grids.solve(&mut grids.grids(), grids.first_values(), &b, &mut x, tolerance);
-                set_lanes(&mut room.x, &x);
-                is_solved
-            }
-        };
+    fn solve_least_squares<const N: usize>(&self, room: &mut Room<N>) {
+        match &self.system {
+            System::Lanes { least_squares, .. } => least_squares.solve_lanes_in_place(&mut room.x),
+            System::Fronts(least_squares) => solve_first_lane(least_squares, &mut room.x),
+        }
         room.x[self.size()] = [[0.0; N]; 3];
-        [is_solved; N]
     }
 
-    /// Solves with the matrices of the last pass for its right-hand sides; says which lanes could be.
+    /// Factors the matrices of the last pass and solves for its right-hand sides; says which lanes could be.
     fn solve_next<const N: usize>(&self, room: &mut Room<N>) -> [bool; N] {
-        let is_definite = match (&self.system, room.matrices.as_mut().expect("the last pass has set them")) {
-            (System::Lanes { .. }, Matrices::Lanes(matrices)) => {
-                std::mem::swap(&mut room.x, &mut room.next);
+        std::mem::swap(&mut room.x, &mut room.next);
+        let is_definite = match room.matrices.as_mut().expect("the last pass has set them") {
+            Matrices::Lanes(matrices) => {
                 let is_definite = matrices.factor();
                 matrices.solve_in_place(&mut room.x);
                 is_definite
             }
-            (System::Large(system), Matrices::Large(values, grids)) => {
-                let size = system.size();
-                let values: Vec<f64> = values.iter().map(|value| value[0]).collect();
-                system.update(grids, &values);
-                // The last step is near the next one.
-                let (b, mut x) = (first_lane(&room.next[..size]), first_lane(&room.x[..size]));
-                let is_definite = system.solve(grids, &values, &b, &mut x, BETWEEN);
-                set_lanes(&mut room.x, &x);
+            Matrices::Fronts(values, factor) => {
+                let is_definite = factor.factor(values.as_flattened());
+                if is_definite {
+                    solve_first_lane(factor, &mut room.x);
+                }
                 [is_definite; N]
             }
-            _ => unreachable!("matrices are those of the system"),
         };
         room.x[self.size()] = [[0.0; N]; 3];
         is_definite
@@ -200,13 +171,13 @@ impl Poisson {
         }
         let matrices = matrices.get_or_insert_with(|| match &self.system {
             System::Lanes { pattern, .. } => Matrices::Lanes(LaneCholesky::new(pattern.clone())),
-            System::Large(grids) => Matrices::Large(vec![], Box::new(grids.grids())),
+            System::Fronts(least_squares) => Matrices::Fronts(vec![], least_squares.for_refactoring()),
         });
         let values = match matrices {
             Matrices::Lanes(matrices) => matrices.clear(),
-            Matrices::Large(values, _) => {
+            Matrices::Fronts(values, factor) => {
                 values.clear();
-                values.resize(self.entry_count(), [0.0; N]);
+                values.resize(factor.entry_count(), [0.0; N]);
                 values
             }
         };
@@ -324,12 +295,12 @@ fn add_right_hand_side<const N: usize>(
     }
 }
 
-/// The coordinates in the first lane.
-fn first_lane<const N: usize>(x: &[[[f64; N]; 3]]) -> Vec<[f64; 3]> {
-    x.iter().map(|row| row.map(|coordinate| coordinate[0])).collect()
-}
-
-/// Sets all lanes to the coordinates `x`.
-fn set_lanes<const N: usize>(lanes: &mut [[[f64; N]; 3]], x: &[[f64; 3]]) {
-    lanes.iter_mut().zip(x).for_each(|(lanes, x)| *lanes = x.map(|coordinate| [coordinate; N]));
+/// Solves for the first lane, and sets the others to it: where there are fronts, there is but one.
+fn solve_first_lane<const N: usize>(factor: &Multifrontal, x: &mut [[[f64; N]; 3]]) {
+    let n = factor.size();
+    let mut columns: Vec<f64> = (0..3).flat_map(|axis| x[..n].iter().map(move |row| row[axis][0])).collect();
+    factor.solve_in_place(&mut columns);
+    for (axis, column) in columns.chunks(n.max(1)).enumerate() {
+        x.iter_mut().zip(column).for_each(|(row, &value)| row[axis] = [value; N]);
+    }
 }

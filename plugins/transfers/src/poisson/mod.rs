@@ -9,7 +9,7 @@ use std::sync::{Arc, Mutex};
 
 use mimesh_core::{
     Result,
-    linalg::{Assembly, LaneCholesky, LanePattern, Multigrid},
+    linalg::{Assembly, LaneCholesky, LanePattern, Multifrontal},
     mesh::Surface,
 };
 use nalgebra::{Matrix3, Point3};
@@ -23,8 +23,8 @@ use self::{
 /// Systems of at most this many unknowns are factored in eight lanes: a factor then takes about 10 MB, and caches still help.
 const MAX_UNKNOWNS_OF_EIGHT: usize = 10_000;
 
-/// Systems of at most this many unknowns are factored in four lanes. Beyond, a factorisation takes more than in proportion to them, and
-/// systems are solved by conjugate gradients ([`Multigrid`]).
+/// Systems of at most this many unknowns are factored in four lanes. Beyond, memory sets the pace, and dense blocks are faster
+/// ([`Multifrontal`]).
 const MAX_UNKNOWNS_OF_FOUR: usize = 100_000;
 
 /// What the system is called in errors.
@@ -55,13 +55,13 @@ pub struct Poisson {
     workspaces: Mutex<Vec<Workspace>>,
 }
 
-/// The least squares, factored if they are not too large, and how others are solved.
+/// The factored least squares, and how others are factored.
 #[derive(Debug)]
 enum System {
     /// Several matrices at once.
     Lanes { least_squares: LaneCholesky<1>, pattern: Arc<LanePattern> },
-    /// One matrix at a time without a factorisation, for large meshes.
-    Large(Box<Multigrid>),
+    /// One matrix at a time, for large meshes.
+    Fronts(Box<Multifrontal>),
 }
 
 /// A solution and what it took.
@@ -117,10 +117,8 @@ impl Poisson {
             elements::place(&mut elements, &target.triangles, &numbers, |i| pattern.row(i), |i, j| pattern.entry(i, j));
             (System::Lanes { least_squares, pattern }, rows)
         } else {
-            let grids = Multigrid::new(&matrix, NAME)?;
-            let rows = numbers.iter().map(|number| number.map(|i| grids.row(i))).collect();
-            elements::place(&mut elements, &target.triangles, &numbers, |i| grids.row(i), |i, j| grids.entry(i, j));
-            (System::Large(Box::new(grids)), rows)
+            elements::place(&mut elements, &target.triangles, &numbers, |i| i, |i, j| entry(&matrix, i, j));
+            (System::Fronts(Box::new(Multifrontal::factored(&matrix, NAME)?)), numbers)
         };
         let total_weight = elements.iter().filter(|e| e.has_area).map(|e| e.weight).sum();
         let rest = target.positions.clone();
@@ -132,7 +130,7 @@ impl Poisson {
         match &self.system {
             System::Lanes { pattern, .. } if pattern.size() <= MAX_UNKNOWNS_OF_EIGHT => 8,
             System::Lanes { .. } => 4,
-            System::Large(_) => 1,
+            System::Fronts(_) => 1,
         }
     }
 
@@ -169,6 +167,14 @@ fn matrix(elements: &[Element], triangles: &[[u32; 3]], numbers: &[Option<u32>])
         }
     }
     matrix.finish()
+}
+
+/// The number of entry (i, j) among the values of a lower triangle.
+fn entry(lower: &CscMatrix<f64>, i: u32, j: u32) -> Option<u32> {
+    let (starts, rows, _) = lower.csc_data();
+    let column = i.min(j) as usize;
+    let found = rows[starts[column]..starts[column + 1]].binary_search(&(i.max(j) as usize)).ok()?;
+    Some((starts[column] + found) as u32)
 }
 
 /// A number for each vertex that a triangle uses but for one a component, its anchor; and for each vertex its anchor.

@@ -38,6 +38,8 @@ pub struct Multifrontal {
     column_starts: Arc<[usize]>,
     /// Room for what fronts leave, to be used again by the next factorisation.
     room: Arc<Room>,
+    /// The name of the system in errors.
+    what: &'static str,
 }
 
 /// What the fronts before the next one leave for those above, the last one last.
@@ -56,7 +58,8 @@ impl Multifrontal {
         };
         let fronts = Fronts::new(lower, supernodes, order.arrays().0);
         let values = vec![0.0; fronts.size];
-        Ok(Self { fronts: Arc::new(fronts), values, column_starts: lower.col_offsets().into(), room: Arc::default() })
+        let column_starts = lower.col_offsets().into();
+        Ok(Self { fronts: Arc::new(fronts), values, column_starts, room: Arc::default(), what })
     }
 
     /// The factorisation of `lower`, a lower triangle; `what` names the system in errors.
@@ -73,9 +76,26 @@ impl Multifrontal {
         Ok(result)
     }
 
-    /// Number of values of the factor.
+    /// Another factorisation of matrices with this pattern, to be given its values.
+    pub fn for_refactoring(&self) -> Self {
+        let values = vec![0.0; self.values.len()];
+        let (fronts, column_starts) = (self.fronts.clone(), self.column_starts.clone());
+        Self { fronts, values, column_starts, room: Arc::default(), what: self.what }
+    }
+
+    /// n.
     pub fn size(&self) -> usize {
-        self.values.len()
+        self.fronts.order.len()
+    }
+
+    /// Number of entries of a matrix.
+    pub fn entry_count(&self) -> usize {
+        self.column_starts[self.size()]
+    }
+
+    /// The error of a matrix that is not positive definite; it names the system.
+    pub fn singular(&self) -> Error {
+        singular(self.what)
     }
 
     /// Factors the matrix with these values (lower triangle, CSC order); `false` if it is not positive definite.
@@ -100,7 +120,7 @@ impl Multifrontal {
 
 impl fmt::Debug for Multifrontal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "Multifrontal(n = {}, {} entries)", self.fronts.order.len(), self.size())
+        write!(f, "Multifrontal(n = {}, {} entries)", self.size(), self.values.len())
     }
 }
 
