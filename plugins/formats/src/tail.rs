@@ -10,8 +10,10 @@ const MAX_HELD: usize = 32 << 20;
 /// Bytes that are moved at once.
 const BLOCK: usize = 1 << 20;
 
-/// All of a file but its head, which is written once: what comes is held until it is much, and then put behind the room that the
-/// head will probably take. Should the head turn out to be of another size, the tail is moved.
+/// All of a file but its head.
+///
+/// Bytes are held in memory up to [`MAX_HELD`]. Then they go into the file, behind as much room as the head will probably take.
+/// If the head turns out to have another size, the tail is moved.
 pub struct Tail {
     file: BufWriter<Box<dyn SequenceFile>>,
     held: Vec<u8>,

@@ -23,9 +23,9 @@ use self::{
 /// Systems of at most this many unknowns are factored in eight lanes: a factor then takes about 10 MB, and caches still help.
 const MAX_UNKNOWNS_OF_EIGHT: usize = 10_000;
 
-/// Systems of at most this many unknowns are factored in four lanes. Beyond, memory sets the pace, and dense blocks are faster
-/// ([`Multifrontal`]).
-const MAX_UNKNOWNS_OF_FOUR: usize = 100_000;
+/// Systems of at most this many unknowns are factored in four lanes. At 350,000 dense blocks ([`Multifrontal`]) are as fast, and take
+/// a third of the memory.
+const MAX_UNKNOWNS_OF_FOUR: usize = 250_000;
 
 /// What the system is called in errors.
 const NAME: &str = "the system of the target's deformation gradients";
