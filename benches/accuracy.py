@@ -47,16 +47,24 @@ class Bench:
 
     def animals(self):
         """Those of pipelines/benchmark.yaml, larger, and `gradient` on the targets of one piece."""
-        file, variables = ROOT / "pipelines" / "benchmark.yaml", f"variables={json.dumps(LARGER_ANIMALS)}"
-        gradient = 'matrix={"transfer": [{"type": "gradient"}]}'
-        one_piece = self.run(file, variables, gradient, *[f"targets.{name}=~" for name in ("plates", "pebbles", "boxes")])
-        methods_of_parts = ("multi_component",)
-        others = [
-            report for report in self.run(file, variables)
-            if report["run"]["target"] not in ("camel", "giraffe")
-            or report["run"]["matrix"]["transfer"]["type"] not in methods_of_parts
-        ]
-        return sorted(one_piece + others, key=lambda report: ["camel", "giraffe", "plates", "pebbles", "boxes"].index(report["run"]["target"]))
+        parts = ("plates", "pebbles", "boxes")
+
+        def animal(proportions, gait, resolution, **more):
+            return {"generator": {"type": "quadruped", "proportions": proportions, "gait": gait, "resolution": resolution, "frames": 12, **more}}
+
+        one_piece = self.pipeline({
+            "source": animal("horse", "gallop", 60),
+            "targets": {
+                "camel": animal("camel", "gallop", 70, seed=1),
+                "giraffe": {"source": animal("horse", "walk", 60), **animal("giraffe", "walk", 60, seed=2)},
+            },
+            "correspondence": {"type": "nonrigid_fit"}, "matrix": {"transfer": [{"type": "gradient"}]},
+            "output": str(self.folder / "animals/{name}/result.glb"),
+        })
+        every = self.run(ROOT / "pipelines" / "benchmark.yaml", f"variables={json.dumps(LARGER_ANIMALS)}")
+        is_of_parts = lambda report: report["run"]["matrix"]["transfer"]["type"] == "multi_component"  # noqa: E731
+        others = [report for report in every if report["run"]["target"] in parts or not is_of_parts(report)]
+        return sorted(one_piece + others, key=lambda report: ("camel", "giraffe", *parts).index(report["run"]["target"]))
 
     def bodies(self):
         """A body onto others, in one piece and in plates, with the first 10 and 20 of the landmarks."""

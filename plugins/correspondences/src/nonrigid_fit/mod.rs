@@ -87,7 +87,7 @@ pub struct NonrigidFit {
     pub proximity: f64,
     /// How triangles and vertices count in E_I and E_C.
     pub weighting: Weighting,
-    /// Most vertex pairs of a link that count in E_R: three fix a rigid motion. More say the same, fill the matrix, and hold parts
+    /// Most vertex pairs of a link that count in E_R: three fix a rigid motion. Many say the same, fill the matrix, and hold parts
     /// more stiffly to each other; `~` takes all, as in the paper.
     #[schemars(range(min = 1))]
     pub link_pairs: Option<usize>,
@@ -121,7 +121,7 @@ impl Default for NonrigidFit {
             identity: 0.01,
             proximity: 1.0,
             weighting: Weighting::Area,
-            link_pairs: Some(3),
+            link_pairs: Some(6),
             closest: [1.0, 5000.0],
             steps: 10,
             max_distance: 0.05,
