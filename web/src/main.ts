@@ -15,5 +15,11 @@ try {
 } catch (error) {
   // Nothing can be shown without WebGL, so the reason is all there is to show.
   const reason = error instanceof Error ? error.message : String(error);
-  root.replaceChildren(h('main', { class: 'cover' }, h('div', { class: 'message failed', role: 'alert' }, h('h1', {}, 'The studio cannot start'), h('p', {}, reason))));
+  root.replaceChildren(
+    h(
+      'main',
+      { class: 'cover' },
+      h('div', { class: 'message failed', role: 'alert' }, h('h1', {}, 'The studio cannot start'), h('p', {}, reason)),
+    ),
+  );
 }

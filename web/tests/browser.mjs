@@ -24,7 +24,10 @@ export async function openPage(browser, url, { theme = 'light', ready = true } =
   page.on('pageerror', (error) => page.errors.push(String(error)));
   page.on('console', (message) => message.type() === 'error' && page.errors.push(message.text()));
   await page.goto(url);
-  if (ready) await page.waitForFunction(() => window.mimesh?.studio.phase.peek().name === 'ready' && window.mimesh.studio.live.target.peek());
+  if (ready)
+    await page.waitForFunction(
+      () => window.mimesh?.studio.phase.peek().name === 'ready' && window.mimesh.studio.live.target.peek(),
+    );
   return page;
 }
 

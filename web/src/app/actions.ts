@@ -101,7 +101,9 @@ export class Actions {
     const pair = this.studio.markers.pair(this.studio.selected.peek());
     if (!pair || pair.status === status) return;
     const list = this.listed.value;
-    const after = list.slice(list.findIndex((other) => other.id === pair.id) + 1).find((other) => other.status === 'proposed');
+    const after = list
+      .slice(list.findIndex((other) => other.id === pair.id) + 1)
+      .find((other) => other.status === 'proposed');
     const first = list.find((other) => other.status === 'proposed' && other.id !== pair.id);
     this.studio.markers.edit({ op: 'status', pair: pair.id, status });
     const next = after ?? first ?? null;

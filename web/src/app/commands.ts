@@ -1,4 +1,5 @@
 import type { Player } from '../live/timeline.ts';
+import type { Painter } from '../paint/painter.ts';
 import { isolate, showAll, toggleComponent } from '../views/components.ts';
 import type { Pane } from '../views/pane.ts';
 import type { Stage } from '../views/stage.ts';
@@ -12,7 +13,15 @@ const NUDGE = 2;
 const TURN = 24;
 
 /** Every command that has a key. */
-export function makeCommands(studio: Studio, stage: Stage, actions: Actions, player: Player): Command[] {
+export function makeCommands(
+  studio: Studio,
+  stage: Stage,
+  actions: Actions,
+  player: Player,
+  painter: Painter,
+): Command[] {
+  // Strokes of the brush have a history of their own.
+  const painting = () => studio.panel.peek() === 'paint';
   const commands: Command[] = [
     command('Points', 'next', 'Go to the point that helps most', ['g'], () => void actions.next()),
     command('Points', 'down', 'Select the pair below', ['j'], () => actions.select(1)),
@@ -23,8 +32,10 @@ export function makeCommands(studio: Studio, stage: Stage, actions: Actions, pla
     command('Points', 'rename', 'Rename', ['r', 'f2'], () => actions.editName()),
     command('Points', 'delete', 'Delete', ['delete', 'backspace'], () => actions.remove()),
     command('Points', 'mirror', 'Mirror across a plane', ['m'], () => actions.mirror()),
-    command('Points', 'undo', 'Undo', ['mod+z'], () => void studio.markers.undo()),
-    command('Points', 'redo', 'Redo', ['mod+shift+z', 'mod+y'], () => void studio.markers.redo()),
+    command('Points', 'undo', 'Undo', ['mod+z'], () => (painting() ? painter.undo() : void studio.markers.undo())),
+    command('Points', 'redo', 'Redo', ['mod+shift+z', 'mod+y'], () =>
+      painting() ? painter.redo() : void studio.markers.redo(),
+    ),
     command('Points', 'letgo', 'Let go of the selected pair', ['escape'], () => letGo(studio)),
     command('View', 'fly', 'Fly to the selected pair', ['f'], () => actions.flyTo(studio.selected.peek())),
     command('View', 'whole', 'See the whole mesh', ['home'], () => stage.camera.whole()),
@@ -35,8 +46,12 @@ export function makeCommands(studio: Studio, stage: Stage, actions: Actions, pla
     command('View', 'xray', 'X-ray', ['x'], () => flip(display.xray)),
     command('View', 'link', 'Link the cameras', ['l'], () => flip(display.linked)),
     command('View', 'views', 'Target at rest in a view of its own', ['v'], () => flip(display.threeViews)),
-    command('View', 'hide', 'Hide the component below the pointer', ['h'], () => onComponent(stage, (pane, index) => toggleComponent(studio, pane.side, index))),
-    command('View', 'isolate', 'Show only the component below the pointer', ['i'], () => onComponent(stage, (pane, index) => isolate(studio, pane.side, index))),
+    command('View', 'hide', 'Hide the component below the pointer', ['h'], () =>
+      onComponent(stage, (pane, index) => toggleComponent(studio, pane.side, index)),
+    ),
+    command('View', 'isolate', 'Show only the component below the pointer', ['i'], () =>
+      onComponent(stage, (pane, index) => isolate(studio, pane.side, index)),
+    ),
     command('View', 'showall', 'Show all components', ['u'], () => showAll(studio)),
     command('Motion', 'play', 'Play, pause', ['space'], () => player.toggle()),
     command('Motion', 'before', 'Frame before', [','], () => player.step(-1)),
@@ -50,7 +65,12 @@ export function makeCommands(studio: Studio, stage: Stage, actions: Actions, pla
 
 /** Keys of a view that has the focus: they turn, zoom, set a point at the centre, and push the selected point about. */
 export function paneKey(stage: Stage, pane: Pane, event: KeyboardEvent): boolean {
-  const arrows: Record<string, [number, number]> = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
+  const arrows: Record<string, [number, number]> = {
+    ArrowLeft: [-1, 0],
+    ArrowRight: [1, 0],
+    ArrowUp: [0, -1],
+    ArrowDown: [0, 1],
+  };
   const arrow = arrows[event.key];
   const { width, height } = pane.view;
   if (arrow && event.altKey) stage.markerTool.nudge(pane, arrow[0] * NUDGE, arrow[1] * NUDGE, event.shiftKey);

@@ -1,11 +1,11 @@
-import { h } from '../ui/dom.ts';
 import { openDialog } from '../ui/dialog.ts';
+import { h } from '../ui/dom.ts';
 import { type Command, displayStroke } from './keys.ts';
 
 const HAND: [string, string][] = [
   ['Click on a mesh', 'Sets a point of the selected pair, or begins a pair'],
   ['Drag a point', 'Moves it over the surface; the target follows'],
-  ['Shift while clicking or dragging', 'Snaps to the nearest vertex'],
+  ['Shift', 'While clicking or dragging: snaps to the nearest vertex'],
   ['Drag beside points', 'Turns the view'],
   ['Alt and drag', 'Turns the view, also over points and while painting'],
   ['Right button and drag', 'Moves the view'],
@@ -29,7 +29,19 @@ export function openHelp(commands: readonly Command[]): void {
         .map((command) => [command.keys.map(displayStroke).join(' or '), command.title]),
     ),
   );
-  openDialog('Keys and mouse', [h('div', { class: 'help' }, table('Mouse', HAND), table('In a view that has the focus (Tab)', VIEW_KEYS), ...groups)], true);
+  openDialog(
+    'Keys and mouse',
+    [
+      h(
+        'div',
+        { class: 'help' },
+        table('Mouse', HAND),
+        table('In a view that has the focus (Tab)', VIEW_KEYS),
+        ...groups,
+      ),
+    ],
+    true,
+  );
 }
 
 function table(title: string, rows: [string, string][]): HTMLElement {

@@ -3,6 +3,7 @@ import { Player, timeline } from '../live/timeline.ts';
 import { conflictList } from '../markers/conflicts.ts';
 import { pairDetail } from '../markers/detail.ts';
 import { pairList } from '../markers/list.ts';
+import { Painter } from '../paint/painter.ts';
 import { paintPanel } from '../paint/panel.ts';
 import { stagesPanel } from '../stages/panel.ts';
 import { startPage } from '../start/start.ts';
@@ -27,7 +28,8 @@ export function mount(root: HTMLElement, studio: Studio): Stage {
   const stage = new Stage(studio);
   const actions = new Actions(studio, stage);
   const player = new Player(studio);
-  const commands = makeCommands(studio, stage, actions, player);
+  const painter = new Painter(studio, stage);
+  const commands = makeCommands(studio, stage, actions, player, painter);
   const furnished = new WeakSet<Pane>();
   effect(() => {
     for (const pane of stage.panes.value) {
@@ -39,7 +41,7 @@ export function mount(root: HTMLElement, studio: Studio): Stage {
   const work = h(
     'main',
     { class: 'work' },
-    sidePanel(studio, stage, actions),
+    sidePanel(studio, stage, actions, painter),
     h('div', { class: 'views' }, viewToolbar(studio, stage), stage.element, timeline(studio, player)),
   );
   const cover = h('main', { class: 'cover' });
@@ -48,10 +50,19 @@ export function mount(root: HTMLElement, studio: Studio): Stage {
     work.hidden = phase.name !== 'ready';
     cover.hidden = phase.name === 'ready';
     if (phase.name === 'start') fill(cover, startPage(studio));
-    else if (phase.name === 'loading') fill(cover, h('div', { class: 'message', role: 'status' }, h('div', { class: 'spinner' }), h('p', {}, phase.text)));
+    else if (phase.name === 'loading')
+      fill(
+        cover,
+        h('div', { class: 'message', role: 'status' }, h('div', { class: 'spinner' }), h('p', {}, phase.text)),
+      );
     else if (phase.name === 'failed') fill(cover, failure(studio, phase.message, phase.hint));
   });
-  root.append(topBar(studio, () => openHelp(commands)), work, cover, noticeArea());
+  root.append(
+    topBar(studio, () => openHelp(commands)),
+    work,
+    cover,
+    noticeArea(),
+  );
   document.addEventListener('keydown', (event) => {
     if (studio.phase.peek().name !== 'ready' || document.querySelector('dialog[open]')) return;
     const pane = stage.panes.peek().find((other) => other.surfaceElement === event.target);
@@ -94,12 +105,18 @@ const TABS: { panel: Panel; label: string; icon: IconName }[] = [
   { panel: 'paint', label: 'Paint', icon: 'brush' },
 ];
 
-function sidePanel(studio: Studio, stage: Stage, actions: Actions): HTMLElement {
+function sidePanel(studio: Studio, stage: Stage, actions: Actions, painter: Painter): HTMLElement {
   const pages: Record<Panel, HTMLElement> = {
-    points: h('div', { class: 'panel-fill' }, conflictList(studio), pairList(studio, actions), pairDetail(studio, actions)),
+    points: h(
+      'div',
+      { class: 'panel-fill' },
+      conflictList(studio),
+      pairList(studio, actions),
+      pairDetail(studio, actions),
+    ),
     result: resultPanel(studio, stage),
     stages: stagesPanel(studio),
-    paint: paintPanel(studio, stage),
+    paint: paintPanel(studio, painter),
   };
   const tabs = TABS.map(({ panel, label, icon: name }) => {
     const tab = h(
@@ -128,7 +145,12 @@ function sidePanel(studio: Studio, stage: Stage, actions: Actions): HTMLElement 
     });
     return tab;
   });
-  const element = h('aside', { class: 'panel', 'aria-label': 'Tools' }, h('div', { class: 'tabs', role: 'tablist' }, ...tabs), ...Object.values(pages));
+  const element = h(
+    'aside',
+    { class: 'panel', 'aria-label': 'Tools' },
+    h('div', { class: 'tabs', role: 'tablist' }, ...tabs),
+    ...Object.values(pages),
+  );
   effect(() => {
     element.dataset.panel = studio.panel.value;
   });

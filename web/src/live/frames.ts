@@ -15,9 +15,7 @@ export function replaces(shown: (Stamp & { channel: string }) | null, next: Stam
 }
 
 function compare(a: Stamp, b: Stamp): number {
-  return (
-    a.pipeline - b.pipeline || a.revision - b.revision || a.look - b.look || dragOf(a, b) - dragOf(b, a)
-  );
+  return a.pipeline - b.pipeline || a.revision - b.revision || a.look - b.look || dragOf(a, b) - dragOf(b, a);
 }
 
 /** A frame after the end of a drag belongs to the present state; it must not lose to the last frame of the drag. */

@@ -12,7 +12,13 @@ export function legend(studio: Studio): HTMLElement {
   const bar = h('div', { class: 'legend-bar' });
   const limit = h('span', { class: 'legend-limit' });
   const figures = h('div', { class: 'legend-figures' });
-  const element = h('div', { class: 'legend', role: 'img' }, title, h('div', { class: 'legend-scale' }, bar, limit), figures);
+  const element = h(
+    'div',
+    { class: 'legend', role: 'img' },
+    title,
+    h('div', { class: 'legend-scale' }, bar, limit),
+    figures,
+  );
   effect(() => {
     const scalar = studio.live.target.value?.scalar ?? null;
     element.hidden = studio.live.scalar.value === null || scalar === null || scalar.name !== studio.live.scalar.value;

@@ -1,4 +1,4 @@
-import { floats, type Container } from '../protocol/container.ts';
+import { type Container, floats } from '../protocol/container.ts';
 import type { Socket } from '../protocol/socket.ts';
 import type { Channel, FrameHeader, FrameScalar, LiveState, Point, PoseRef, Side, Worst } from '../protocol/types.ts';
 import { effect, signal } from '../ui/signal.ts';

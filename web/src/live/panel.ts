@@ -1,5 +1,5 @@
-import type { Studio } from '../app/studio.ts';
 import { display } from '../app/display.ts';
+import type { Studio } from '../app/studio.ts';
 import { sentence } from '../protocol/client.ts';
 import type { LiveState, Worst } from '../protocol/types.ts';
 import { runReport } from '../stages/run.ts';
@@ -47,7 +47,10 @@ function liveState(studio: Studio): HTMLElement {
     const reason = studio.session.value?.live.reason ?? null;
     const lines = [describeState('Preview', preview), describeState('Result', result)].filter((line) => line !== null);
     if (reason) lines.unshift(sentence(reason));
-    fill(element, ...(lines.length > 0 ? lines : ['Drag a point and the target moves.']).map((line) => h('p', {}, line)));
+    fill(
+      element,
+      ...(lines.length > 0 ? lines : ['Drag a point and the target moves.']).map((line) => h('p', {}, line)),
+    );
   });
   return element;
 }
@@ -88,7 +91,8 @@ function worstEntry(studio: Studio, stage: Stage, worst: Worst): HTMLElement {
       onclick: () => {
         if (worst.pose !== null) {
           studio.live.playing.value = false;
-          studio.live.pose.value = studio.session.peek()?.poses?.are === 'shapes' ? { blend: [[worst.pose, 1]] } : { index: worst.pose };
+          studio.live.pose.value =
+            studio.session.peek()?.poses?.are === 'shapes' ? { blend: [[worst.pose, 1]] } : { index: worst.pose };
         }
         if (worst.vertex !== null) stage.flyToPoints(null, { vertex: worst.vertex });
       },

@@ -10,7 +10,12 @@ export function shapeSliders(studio: Studio): HTMLElement {
   const element = h(
     'section',
     { class: 'block', 'aria-label': 'Shapes' },
-    h('div', { class: 'row' }, h('h3', {}, 'Shapes'), button({ label: 'All to rest', run: () => set(studio, new Map()) })),
+    h(
+      'div',
+      { class: 'row' },
+      h('h3', {}, 'Shapes'),
+      button({ label: 'All to rest', run: () => set(studio, new Map()) }),
+    ),
     searchField('Search shapes', (text) => {
       search.value = text.toLowerCase();
     }),
@@ -19,7 +24,7 @@ export function shapeSliders(studio: Studio): HTMLElement {
   effect(() => {
     const poses = studio.session.value?.poses;
     element.hidden = poses?.are !== 'shapes';
-    if (!poses || poses.are !== 'shapes') return;
+    if (poses?.are !== 'shapes') return;
     const rows = poses.list
       .map((pose, index) => ({ pose, index }))
       .filter(({ pose }) => pose.name.toLowerCase().includes(search.value))

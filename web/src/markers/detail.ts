@@ -50,7 +50,13 @@ export function pairDetail(studio: Studio, actions: Actions): HTMLElement {
         run: () => actions.skip(),
         pressed: () => present()?.status === 'skipped',
       }),
-      button({ label: 'Fly there', keys: 'F', icon: 'eye', bare: true, run: () => actions.flyTo(studio.selected.peek()) }),
+      button({
+        label: 'Fly there',
+        keys: 'F',
+        icon: 'eye',
+        bare: true,
+        run: () => actions.flyTo(studio.selected.peek()),
+      }),
       button({ label: 'Delete', keys: 'Del', icon: 'trash', bare: true, kind: 'danger', run: () => actions.remove() }),
     ),
   );

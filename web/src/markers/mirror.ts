@@ -1,7 +1,7 @@
 import type { Studio } from '../app/studio.ts';
 import { button } from '../ui/controls.ts';
-import { h, uniqueId } from '../ui/dom.ts';
 import { openDialog } from '../ui/dialog.ts';
+import { h, uniqueId } from '../ui/dom.ts';
 
 type Axis = 'x' | 'y' | 'z';
 
@@ -18,9 +18,16 @@ export function openMirrorDialog(studio: Studio): void {
       h('legend', {}, 'Plane across the axis'),
       ...(['x', 'y', 'z'] as const).map((value) => {
         const id = uniqueId('axis');
-        const input = h('input', { type: 'radio', name: 'axis', id, value, checked: value === axis, onchange: () => {
-          axis = value;
-        } });
+        const input = h('input', {
+          type: 'radio',
+          name: 'axis',
+          id,
+          value,
+          checked: value === axis,
+          onchange: () => {
+            axis = value;
+          },
+        });
         return h('span', { class: 'choice' }, input, h('label', { for: id }, value.toUpperCase()));
       }),
     ),

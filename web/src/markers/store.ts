@@ -162,7 +162,10 @@ export class MarkerStore {
     const { mirrored } = result;
     if (mirrored) {
       const left = mirrored.left.length > 0 ? ` ${mirrored.left.length} had no place on the other side.` : '';
-      this.onNotice({ text: `Added ${mirrored.added} mirrored ${mirrored.added === 1 ? 'pair' : 'pairs'}.${left}`, hint: null });
+      this.onNotice({
+        text: `Added ${mirrored.added} mirrored ${mirrored.added === 1 ? 'pair' : 'pairs'}.${left}`,
+        hint: null,
+      });
     }
   }
 

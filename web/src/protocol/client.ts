@@ -1,4 +1,4 @@
-import { readContainer, writeContainer, type Arrays, type Container } from './container.ts';
+import { type Arrays, type Container, readContainer, writeContainer } from './container.ts';
 import type {
   About,
   ApiError,

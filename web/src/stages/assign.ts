@@ -11,7 +11,12 @@ export interface Assignment {
  * What to set so that `path` gets a value, where mappings above it may be missing yet. `typeAt` names the type of a stage that is left
  * out, since a stage without its type cannot be written.
  */
-export function assignment(root: Json | undefined, path: Step[], value: Json, typeAt: (path: Step[]) => string | null): Assignment {
+export function assignment(
+  root: Json | undefined,
+  path: Step[],
+  value: Json,
+  typeAt: (path: Step[]) => string | null,
+): Assignment {
   for (let depth = path.length - 1; depth > 0; depth--) {
     const above = path.slice(0, depth);
     if (isObject(valueAt(root, above)) || Array.isArray(valueAt(root, above))) {

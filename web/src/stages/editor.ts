@@ -69,7 +69,13 @@ export function yamlEditor(studio: Studio): HTMLElement {
             ? `${name} · saved`
             : `${name} · not written yet`;
   });
-  return h('section', { class: 'editor', 'aria-label': 'Text' }, state, h('div', { class: 'editor-text' }, h('div', { class: 'gutter-clip' }, gutter), text), faults);
+  return h(
+    'section',
+    { class: 'editor', 'aria-label': 'Text' },
+    state,
+    h('div', { class: 'editor-text' }, h('div', { class: 'gutter-clip' }, gutter), text),
+    faults,
+  );
 }
 
 function faultButton(text: HTMLTextAreaElement, fault: Diagnostic): HTMLElement {
@@ -77,7 +83,13 @@ function faultButton(text: HTMLTextAreaElement, fault: Diagnostic): HTMLElement 
     'button',
     { type: 'button', class: `fault ${fault.level}`, onclick: () => goTo(text, fault) },
     icon('warning'),
-    h('span', {}, fault.line === null ? '' : `Line ${fault.line}: `, fault.message, fault.hint ? ` – ${fault.hint}` : null),
+    h(
+      'span',
+      {},
+      fault.line === null ? '' : `Line ${fault.line}: `,
+      fault.message,
+      fault.hint ? ` – ${fault.hint}` : null,
+    ),
   );
 }
 

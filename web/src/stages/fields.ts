@@ -1,6 +1,16 @@
 import { h } from '../ui/dom.ts';
 import type { FormHost } from './form.ts';
-import { type EnumField, type Field, flowText, type Json, type NumberField, numberProblem, parseFlow, rangeText, valueAt } from './schema.ts';
+import {
+  type EnumField,
+  type Field,
+  flowText,
+  type Json,
+  type NumberField,
+  numberProblem,
+  parseFlow,
+  rangeText,
+  valueAt,
+} from './schema.ts';
 
 type Step = string | number;
 
@@ -50,12 +60,19 @@ function choice(
     ...options.map((option) => h('option', { value: option.value, title: option.title }, option.label)),
   );
   const text = value === undefined ? '' : String(value);
-  if (text !== '' && !options.some((option) => option.value === text)) select.append(h('option', { value: text }, text));
+  if (text !== '' && !options.some((option) => option.value === text))
+    select.append(h('option', { value: text }, text));
   select.value = text;
   return select;
 }
 
-function numberInput(host: FormHost, field: NumberField, path: Step[], id: string, value: Json | undefined): HTMLElement {
+function numberInput(
+  host: FormHost,
+  field: NumberField,
+  path: Step[],
+  id: string,
+  value: Json | undefined,
+): HTMLElement {
   const input = h('input', {
     id,
     type: 'text',

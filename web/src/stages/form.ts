@@ -1,10 +1,19 @@
 import type { Diagnostic, Pipeline } from '../protocol/types.ts';
-import { h, uniqueId } from '../ui/dom.ts';
 import { button } from '../ui/controls.ts';
+import { h, uniqueId } from '../ui/dom.ts';
 import { icon } from '../ui/icons.ts';
 import { prose } from '../ui/prose.ts';
 import { control } from './fields.ts';
-import { type Field, flowText, type Json, type ObjectField, type StageField, typeOf, valueAt } from './schema.ts';
+import {
+  type Field,
+  flowText,
+  isObject,
+  type Json,
+  type ObjectField,
+  type StageField,
+  typeOf,
+  valueAt,
+} from './schema.ts';
 
 type Step = string | number;
 
@@ -77,7 +86,13 @@ function stageElement(host: FormHost, field: StageField, path: Step[]): HTMLElem
   const body = [
     ...faultsAt(host.pipeline.diagnostics, path),
     h('div', { class: 'help-text' }, ...prose(field.description)),
-    h('div', { class: 'setting-line' }, h('label', { for: id, class: 'setting-name' }, 'type'), select, resetButton(host, path, field.name, value)),
+    h(
+      'div',
+      { class: 'setting-line' },
+      h('label', { for: id, class: 'setting-name' }, 'type'),
+      select,
+      resetButton(host, path, field.name, value),
+    ),
     text,
     chosen && value === undefined ? h('p', { class: 'chosen' }, `Chosen by the meshes: ${chosen.reason}`) : null,
     known ? h('div', { class: 'help-text' }, ...prose(known.description)) : null,
@@ -97,11 +112,26 @@ function objectElement(host: FormHost, field: ObjectField, path: Step[]): HTMLEl
     h('div', { class: 'help-text' }, ...prose(field.description)),
     ...field.fields().map((inner) => fieldElement(host, inner, [...path, inner.name])),
   ];
-  const state = value === undefined ? 'as usual' : flowText(value);
+  const state = value === undefined ? 'as usual' : summary(value);
   return folding(host, field.name, state, value !== undefined, path, body);
 }
 
-function folding(host: FormHost, name: string, state: string, isSet: boolean, path: Step[], body: (Node | null)[]): HTMLElement {
+/** A mapping in few words, e.g. `rest: horse.glb`. */
+function summary(value: Json): string {
+  if (!isObject(value)) return flowText(value);
+  return Object.entries(value)
+    .map(([key, inner]) => `${key}: ${isObject(inner) ? '…' : flowText(inner)}`)
+    .join(', ');
+}
+
+function folding(
+  host: FormHost,
+  name: string,
+  state: string,
+  isSet: boolean,
+  path: Step[],
+  body: (Node | null)[],
+): HTMLElement {
   const key = path.join('.');
   const open = host.open.has(key);
   const count = host.pipeline.diagnostics.filter((one) => one.level === 'error' && startsWith(one.path, path)).length;
@@ -131,7 +161,12 @@ function folding(host: FormHost, name: string, state: string, isSet: boolean, pa
 }
 
 function resetButton(host: FormHost, path: Step[], name: string, value: Json | undefined): HTMLElement {
-  const reset = button({ label: `Take ${name} away, so that the default holds`, icon: 'undo', bare: true, run: () => host.unset(path) });
+  const reset = button({
+    label: `Take ${name} away, so that the default holds`,
+    icon: 'undo',
+    bare: true,
+    run: () => host.unset(path),
+  });
   reset.classList.add('reset');
   // It keeps its place, so that nothing moves when a value is set.
   if (value === undefined) reset.disabled = true;
@@ -147,10 +182,23 @@ function defaultText(field: Field): HTMLElement | null {
 /** The faults of a value, or of something in it that has no field of its own. */
 function faultsAt(diagnostics: readonly Diagnostic[], path: Step[]): HTMLElement[] {
   return diagnostics
-    .filter((one) => one.path !== null && one.path.length >= path.length && one.path.length <= path.length + 1 && startsWith(one.path, path))
-    .filter((one) => one.path?.length === path.length || typeof one.path?.at(-1) === 'number' || one.path?.at(-1) === 'type')
+    .filter(
+      (one) =>
+        one.path !== null &&
+        one.path.length >= path.length &&
+        one.path.length <= path.length + 1 &&
+        startsWith(one.path, path),
+    )
+    .filter(
+      (one) => one.path?.length === path.length || typeof one.path?.at(-1) === 'number' || one.path?.at(-1) === 'type',
+    )
     .map((one) =>
-      h('p', { class: one.level === 'error' ? 'problem' : 'doubt', role: 'alert' }, one.message, one.hint ? ` – ${one.hint}` : null),
+      h(
+        'p',
+        { class: one.level === 'error' ? 'problem' : 'doubt', role: 'alert' },
+        one.message,
+        one.hint ? ` – ${one.hint}` : null,
+      ),
     );
 }
 

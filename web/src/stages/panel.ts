@@ -4,7 +4,7 @@ import { fill, h } from '../ui/dom.ts';
 import { effect, signal } from '../ui/signal.ts';
 import { assignment } from './assign.ts';
 import { yamlEditor } from './editor.ts';
-import { fieldElement, type FormHost } from './form.ts';
+import { type FormHost, fieldElement } from './form.ts';
 import { type Field, fieldsOf, type Json, type Schema, typeOf, valueAt } from './schema.ts';
 
 /** Every stage and setting as a form, beside the text of the pipeline. Both show the same document. */
@@ -40,7 +40,9 @@ export function stagesPanel(studio: Studio): HTMLElement {
       pipeline,
       open,
       set: (path, value) => {
-        const change = assignment(pipeline.value as Json, path, value, (above) => typeLeftOut(fields, pipeline.value as Json, above));
+        const change = assignment(pipeline.value as Json, path, value, (above) =>
+          typeLeftOut(fields, pipeline.value as Json, above),
+        );
         void studio.pipeline.set(change.path, change.value);
       },
       unset: (path) => void studio.pipeline.unset(path),
@@ -49,7 +51,10 @@ export function stagesPanel(studio: Studio): HTMLElement {
       },
     };
     if (pipeline.value === null) {
-      return fill(form, h('p', { class: 'problem' }, 'The text is no YAML at present. The form comes back when it is.'));
+      return fill(
+        form,
+        h('p', { class: 'problem' }, 'The text is no YAML at present. The form comes back when it is.'),
+      );
     }
     keepFocus(form, () => fill(form, ...fields.map((field) => fieldElement(host, field, [field.name]))));
   });

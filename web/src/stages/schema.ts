@@ -138,7 +138,15 @@ interface Flat {
 
 /** All that may stand at a place, with `anyOf`, `oneOf` and references opened, and without null and variables. */
 function flatten(schema: Schema, root: Schema): Flat {
-  const flat: Flat = { alternatives: [], nullable: false, stage: null, isFile: false, isCommand: false, defaults: undefined, description: null };
+  const flat: Flat = {
+    alternatives: [],
+    nullable: false,
+    stage: null,
+    isFile: false,
+    isCommand: false,
+    defaults: undefined,
+    description: null,
+  };
   visit(schema, 0);
   return flat;
 

@@ -50,7 +50,11 @@ export class PipelineStore {
     if (error instanceof RequestError && error.status === 409 && isConflict(error.body)) {
       this.conflict.value = error.body.conflict;
       this.receive(error.body.conflict);
-      notify('The pipeline was changed elsewhere. Your last change was not saved.', 'Look at the present text and change it again.', 'error');
+      notify(
+        'The pipeline was changed elsewhere. Your last change was not saved.',
+        'Look at the present text and change it again.',
+        'error',
+      );
       return;
     }
     const { message, hint } = describeError(error);

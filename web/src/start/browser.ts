@@ -46,17 +46,34 @@ export function fileBrowser(options: BrowserOptions): HTMLElement {
     const shown = listing.value;
     if (!shown) return fill(list, ...Array.from({ length: 6 }, () => h('li', { class: 'skeleton' })));
     if ('error' in shown) {
-      return fill(list, h('li', { class: 'problem' }, shown.error.message, shown.error.hint ? ` ${shown.error.hint}` : null));
+      return fill(
+        list,
+        h('li', { class: 'problem' }, shown.error.message, shown.error.hint ? ` ${shown.error.hint}` : null),
+      );
     }
     const { folder } = shown;
     place.textContent = folder.path;
-    fill(roots, ...folder.roots.map((root) => rootButton(root.name, root.path === folder.path, () => {
-      path.value = root.path;
-    })));
-    const up = folder.parent === null ? null : upEntry(() => {
-      path.value = folder.parent;
-    });
-    const entries = folder.entries.map((entry) => h('li', {}, entryButton(entry, () => choose(entry))));
+    fill(
+      roots,
+      ...folder.roots.map((root) =>
+        rootButton(root.name, root.path === folder.path, () => {
+          path.value = root.path;
+        }),
+      ),
+    );
+    const up =
+      folder.parent === null
+        ? null
+        : upEntry(() => {
+            path.value = folder.parent;
+          });
+    const entries = folder.entries.map((entry) =>
+      h(
+        'li',
+        {},
+        entryButton(entry, () => choose(entry)),
+      ),
+    );
     fill(list, up, ...entries, entries.length === 0 ? h('li', { class: 'empty' }, 'This folder is empty.') : null);
   });
   return h('section', { class: 'browser', 'aria-label': 'Files of the server' }, roots, place, list);
@@ -67,7 +84,11 @@ function rootButton(name: string, current: boolean, run: () => void): HTMLElemen
 }
 
 function upEntry(run: () => void): HTMLElement {
-  return h('li', {}, h('button', { type: 'button', class: 'entry', onclick: run }, icon('up'), h('span', {}, 'Folder above')));
+  return h(
+    'li',
+    {},
+    h('button', { type: 'button', class: 'entry', onclick: run }, icon('up'), h('span', {}, 'Folder above')),
+  );
 }
 
 function entryButton(entry: FolderEntry, run: () => void): HTMLElement {

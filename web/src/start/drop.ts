@@ -4,8 +4,18 @@ import { icon } from '../ui/icons.ts';
 
 /** Takes files that are dropped or chosen, uploads them one by one and hands on their paths on the server. */
 export function dropArea(done: (path: string) => void): HTMLElement {
-  const state = h('p', { class: 'hint', role: 'status', 'aria-live': 'polite' }, 'GLB, OBJ, PLY, STL, FBX or YAML. They stay on this computer.');
-  const input = h('input', { type: 'file', multiple: true, class: 'visually-hidden', id: 'upload', onchange: () => void send(input.files) });
+  const state = h(
+    'p',
+    { class: 'hint', role: 'status', 'aria-live': 'polite' },
+    'GLB, OBJ, PLY, STL, FBX or YAML. They stay on this computer.',
+  );
+  const input = h('input', {
+    type: 'file',
+    multiple: true,
+    class: 'visually-hidden',
+    id: 'upload',
+    onchange: () => void send(input.files),
+  });
   const element = h(
     'section',
     { class: 'drop', 'aria-label': 'Upload' },

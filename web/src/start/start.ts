@@ -71,7 +71,13 @@ function slot(title: string, hint: string, path: { value: string | null }): HTML
       path.value = null;
     },
   });
-  const element = h('div', { class: 'slot', role: 'group', 'aria-label': title }, h('span', { class: 'slot-title' }, title), name, clear);
+  const element = h(
+    'div',
+    { class: 'slot', role: 'group', 'aria-label': title },
+    h('span', { class: 'slot-title' }, title),
+    name,
+    clear,
+  );
   effect(() => {
     element.classList.toggle('filled', path.value !== null);
     name.textContent = path.value ? fileName(path.value) : hint;
@@ -92,7 +98,16 @@ function recent(studio: Studio): HTMLElement {
       'ul',
       { class: 'recent' },
       ...list.map((what) =>
-        h('li', {}, h('button', { type: 'button', class: 'link', onclick: () => void studio.open(what) }, icon('folder'), titleOf(what))),
+        h(
+          'li',
+          {},
+          h(
+            'button',
+            { type: 'button', class: 'link', onclick: () => void studio.open(what) },
+            icon('folder'),
+            titleOf(what),
+          ),
+        ),
       ),
     ),
   );

@@ -77,7 +77,11 @@ export function searchField(label: string, change: (text: string) => void): HTML
 /** A share from 0 to 1, or null while it is not known. */
 export function progressBar(label: string, share: () => number | null): HTMLElement {
   const bar = h('div', { class: 'progress-bar' });
-  const element = h('div', { class: 'progress', role: 'progressbar', 'aria-label': label, 'aria-valuemin': 0, 'aria-valuemax': 100 }, bar);
+  const element = h(
+    'div',
+    { class: 'progress', role: 'progressbar', 'aria-label': label, 'aria-valuemin': 0, 'aria-valuemax': 100 },
+    bar,
+  );
   effect(() => {
     const value = share();
     element.classList.toggle('unknown', value === null);

@@ -4,7 +4,11 @@ import { icon } from './icons.ts';
 /** A modal dialog with a title; closes by its button, by Escape and by a click beside it. */
 export function openDialog(title: string, content: Node[], wide = false): HTMLDialogElement {
   const id = uniqueId('dialog');
-  const close = h('button', { type: 'button', class: 'button plain bare', 'aria-label': 'Close', onclick: () => dialog.close() }, icon('close'));
+  const close = h(
+    'button',
+    { type: 'button', class: 'button plain bare', 'aria-label': 'Close', onclick: () => dialog.close() },
+    icon('close'),
+  );
   const dialog = h(
     'dialog',
     { class: `dialog${wide ? ' wide' : ''}`, 'aria-labelledby': id },

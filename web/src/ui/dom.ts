@@ -28,7 +28,13 @@ export function append(parent: Node, children: Child[]): void {
 
 function assign(element: Element, properties: Properties): void {
   for (const [name, value] of Object.entries(properties)) {
-    if (value === false || value === null || value === undefined) continue;
+    if (value === null || value === undefined) continue;
+    // States for screen readers are words; other attributes are there or not.
+    if (name.startsWith('aria-')) {
+      element.setAttribute(name, String(value));
+      continue;
+    }
+    if (value === false) continue;
     if (typeof value === 'function') {
       element.addEventListener(name.slice(2).toLowerCase(), value as unknown as EventListener);
     } else {

@@ -7,6 +7,8 @@ interface Observer {
   sources: Set<Set<Observer>>;
 }
 
+const MOST_ROUNDS = 100;
+
 let current: Observer | null = null;
 let queue: Set<Observer> | null = null;
 
@@ -71,9 +73,10 @@ export function computed<T>(compute: () => T): { readonly value: T } {
 /** Runs all effects that are due now; they run in a microtask otherwise. */
 export function flush(): void {
   // An effect may set signals, so others become due; a bound keeps a circle from hanging the page.
-  for (let round = 0; queue && round < 100; round++) {
+  for (let round = 0; queue; round++) {
     const due = queue;
     queue = null;
+    if (round === MOST_ROUNDS) throw new Error('effects set each other off without an end');
     for (const observer of due) execute(observer);
   }
 }

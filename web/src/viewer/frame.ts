@@ -31,7 +31,9 @@ export function frameOf(positions: Float32Array, up: Up): Frame {
 export function unitMatrix(frame: Frame): Matrix4 {
   const scale = 1 / frame.diagonal;
   const shift = new Matrix4().makeTranslation(-frame.centre.x, -frame.centre.y, -frame.centre.z);
-  return turnUp(frame.up).multiply(new Matrix4().makeScale(scale, scale, scale)).multiply(shift);
+  return turnUp(frame.up)
+    .multiply(new Matrix4().makeScale(scale, scale, scale))
+    .multiply(shift);
 }
 
 function turnUp(up: Up): Matrix4 {

@@ -91,6 +91,6 @@ export function between(from: Orbit, to: Orbit, t: number): Orbit {
 export function facing(point: Vector3, normal: Vector3, distance: number): Orbit {
   const flat = Math.hypot(normal.x, normal.z);
   const yaw = flat > 0.15 ? Math.atan2(normal.x, normal.z) : 0.7;
-  const pitch = Math.min(Math.max(Math.atan2(normal.y, flat), -0.9), 0.9);
+  const pitch = Math.min(Math.max(Math.atan2(normal.y, flat), -0.35), 0.8);
   return { target: point.clone(), yaw, pitch, distance };
 }

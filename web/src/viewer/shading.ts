@@ -2,6 +2,7 @@ import {
   Color,
   DataTexture,
   DoubleSide,
+  FrontSide,
   GLSL3,
   LinearFilter,
   LineBasicMaterial,
@@ -99,6 +100,11 @@ export class SurfaceMaterial extends ShaderMaterial {
     this.uniforms.opacity.value = opacity;
     this.transparent = opacity < 1;
     this.depthWrite = opacity >= 1;
+  }
+
+  /** Draws the fronts of triangles only, or both sides. */
+  setSides(frontOnly: boolean): void {
+    this.side = frontOnly ? FrontSide : DoubleSide;
   }
 
   /** Colours by the attribute `value`, or by none. */

@@ -4,13 +4,15 @@ import {
   type Color,
   DynamicDrawUsage,
   Group,
-  LineSegments,
   type LineBasicMaterial,
+  LineSegments,
   Matrix4,
   Mesh,
   Sphere,
   Vector3,
 } from 'three';
+import { isSolid } from './closed.ts';
+import { coarseTriangles } from './coarse.ts';
 import type { ColourMapName } from './colours.ts';
 import { type Frame, frameOf, type Up, unitMatrix } from './frame.ts';
 import { computeNormals, representatives } from './normals.ts';
@@ -26,6 +28,9 @@ export interface MeshData {
   /** Edges of the polygons, two vertices each. */
   edges: Uint32Array;
 }
+
+const COARSE_ABOVE = 30_000;
+const COARSE_CELLS = 90;
 
 /** A mesh on the screen, whose positions change in place. */
 export class Surface {
@@ -45,9 +50,14 @@ export class Surface {
   private readonly mesh: Mesh;
   private lines: LineSegments | null = null;
   private readonly representative: Uint32Array;
+  /** Whether the backs of triangles are never seen. */
+  private readonly solid: boolean;
   private readonly edges: Uint32Array;
   /** The array that the positions were last taken from. */
   private shown: Float32Array | null = null;
+  private anyTinted = false;
+  private full: BufferAttribute;
+  private coarse: BufferAttribute | null = null;
   private lineColour: Color | null = null;
   private hidden: ReadonlySet<number> = new Set();
 
@@ -62,10 +72,14 @@ export class Surface {
     const count = data.positions.length / 3;
     const position = new BufferAttribute(this.positions, 3).setUsage(DynamicDrawUsage);
     this.geometry.setAttribute('position', position);
-    this.geometry.setAttribute('normal', new BufferAttribute(new Float32Array(count * 3), 3).setUsage(DynamicDrawUsage));
+    this.geometry.setAttribute(
+      'normal',
+      new BufferAttribute(new Float32Array(count * 3), 3).setUsage(DynamicDrawUsage),
+    );
     this.geometry.setAttribute('value', new BufferAttribute(new Float32Array(count), 1).setUsage(DynamicDrawUsage));
     this.geometry.setAttribute('state', new BufferAttribute(new Float32Array(count), 1).setUsage(DynamicDrawUsage));
-    this.geometry.setIndex(new BufferAttribute(data.triangles, 1));
+    this.full = new BufferAttribute(data.triangles, 1);
+    this.geometry.setIndex(this.full);
     // The whole mesh is in sight nearly always, so nothing is gained by testing whether it is.
     this.geometry.boundingSphere = new Sphere(new Vector3(), Infinity);
     this.mesh = new Mesh(this.geometry, this.material);
@@ -75,6 +89,8 @@ export class Surface {
     this.frame = frameOf(data.positions, up);
     this.setUp(up);
     this.updateNormals();
+    this.solid = isSolid(data.positions, data.triangles, data.components, this.representative);
+    this.material.setSides(this.solid);
   }
 
   setUp(up: Up): void {
@@ -114,15 +130,29 @@ export class Surface {
   /** Tints components, e.g. the one below the pointer. */
   tint(components: ReadonlySet<number>): void {
     const attribute = this.geometry.attributes.state as BufferAttribute;
+    // The usual case costs nothing: no component is tinted, and none was.
+    if (components.size === 0 && !this.anyTinted) return;
+    this.anyTinted = components.size > 0;
     const { vertexComponents } = this;
     for (let v = 0; v < vertexComponents.length; v++) attribute.array[v] = components.has(vertexComponents[v]) ? 1 : 0;
     attribute.needsUpdate = true;
   }
 
   hide(components: ReadonlySet<number>): void {
+    if (components === this.hidden) return;
     this.hidden = components;
-    this.geometry.setIndex(new BufferAttribute(this.visible(this.triangles, 3), 1));
+    this.full = new BufferAttribute(this.visible(this.triangles, 3), 1);
+    this.coarse = null;
+    this.geometry.setIndex(this.full);
     if (this.lines) this.lines.geometry.setIndex(new BufferAttribute(this.visible(this.edges, 2), 1));
+  }
+
+  /** Draws fewer triangles, while a machine cannot turn all of them smoothly. */
+  setCoarse(coarse: boolean): void {
+    if (coarse && this.triangles.length / 3 > COARSE_ABOVE) {
+      this.coarse ??= new BufferAttribute(this.visible(coarseTriangles(this.rest, this.triangles, COARSE_CELLS), 3), 1);
+      if (this.geometry.index !== this.coarse) this.geometry.setIndex(this.coarse);
+    } else if (this.geometry.index !== this.full) this.geometry.setIndex(this.full);
   }
 
   isHidden(triangle: number): boolean {
@@ -141,6 +171,7 @@ export class Surface {
 
   setOpacity(opacity: number): void {
     this.material.setOpacity(opacity);
+    this.material.setSides(this.solid && opacity >= 1);
     // Transparent surfaces come last, so that what lies within them is seen.
     this.mesh.renderOrder = opacity < 1 ? 1 : 0;
   }

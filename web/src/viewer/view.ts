@@ -1,4 +1,4 @@
-import { Color, PerspectiveCamera, Raycaster, type Ray, Scene, Vector2, Vector3 } from 'three';
+import { Color, PerspectiveCamera, type Ray, Raycaster, Scene, Vector2, type Vector3 } from 'three';
 import type { Label } from './labels.ts';
 import { applyOrbit, between, cloneOrbit, type Orbit, wholeOrbit } from './orbit.ts';
 import type { Surface } from './surface.ts';
@@ -14,9 +14,13 @@ export class View {
   labels: Label[] = [];
   /** Whether a place on the mesh is behind something, seen from the eye; labels there are drawn faintly. */
   occluded: ((label: Label) => boolean) | null = null;
+  /** Whether one sees through the meshes, so that nothing hides a label. */
+  transparent = false;
   width = 1;
   height = 1;
   readonly element: HTMLElement;
+  /** Counts meshes that came, since the time of a picture depends on them. */
+  changes = 0;
   private readonly surfaces = new Set<Surface>();
   private flight: { from: Orbit; to: Orbit; start: number } | null = null;
   private readonly raycaster = new Raycaster();
@@ -26,6 +30,7 @@ export class View {
   }
 
   add(surface: Surface): void {
+    this.changes += 1;
     this.surfaces.add(surface);
     this.scene.add(surface.group);
   }
@@ -33,6 +38,10 @@ export class View {
   remove(surface: Surface): void {
     this.surfaces.delete(surface);
     this.scene.remove(surface.group);
+  }
+
+  setCoarse(coarse: boolean): void {
+    for (const surface of this.surfaces) surface.setCoarse(coarse);
   }
 
   get aspect(): number {
@@ -84,5 +93,11 @@ export class View {
     const device = point.clone().project(this.camera);
     if (device.z > 1 || device.z < -1) return null;
     return [((device.x + 1) / 2) * this.width, ((1 - device.y) / 2) * this.height];
+  }
+
+  /** How many pixels a length of 1 in the unit frame has at a point. */
+  pixelsAt(point: Vector3): number {
+    const depth = Math.max(point.distanceTo(this.camera.position), 1e-6);
+    return this.height / (2 * depth * Math.tan((this.camera.fov * Math.PI) / 360));
   }
 }

@@ -1,5 +1,6 @@
-import { ColorManagement, LinearSRGBColorSpace, WebGLRenderer } from 'three';
-import { drawLabels } from './labels.ts';
+import { Color, ColorManagement, LinearSRGBColorSpace, WebGLRenderer } from 'three';
+import { LabelPainter } from './labels.ts';
+import { Pace } from './pace.ts';
 import { View } from './view.ts';
 
 // Colours are those of the screen throughout: legends and surfaces must show the same ones, and blending needs no light of physics.
@@ -11,38 +12,40 @@ ColorManagement.enabled = false;
  */
 export class Viewer {
   readonly canvas = document.createElement('canvas');
-  readonly overlay = document.createElement('canvas');
   readonly views: View[] = [];
+  /** Between the views. */
+  readonly gap = new Color(0x808080);
   /** Called after each picture with the milliseconds that it took. */
   onFrame: ((milliseconds: number) => void) | null = null;
   private readonly host: HTMLElement;
   private readonly renderer: WebGLRenderer;
-  private readonly context: CanvasRenderingContext2D;
+  private readonly labels: LabelPainter;
   private readonly observer: ResizeObserver;
   private requested = 0;
   private settleTimer = 0;
   private moving = false;
+  private readonly pace = new Pace();
 
   constructor(host: HTMLElement) {
     this.host = host;
     this.canvas.className = 'viewer-canvas';
-    this.overlay.className = 'viewer-overlay';
-    host.prepend(this.canvas, this.overlay);
+    host.prepend(this.canvas);
     const software = drawsInSoftware();
-    this.renderer = new WebGLRenderer({
-      canvas: this.canvas,
+    const attributes: WebGLContextAttributes = {
+      alpha: false,
       antialias: !software,
       powerPreference: 'high-performance',
-      // The picture is read back only by those who ask for it right after drawing.
-      preserveDrawingBuffer: false,
-    });
-    this.renderer.setPixelRatio(software ? 1 : Math.min(devicePixelRatio, 2));
+    };
+    // An opaque canvas need not be blended with the page, which the renderer does not offer by itself.
+    const context = this.canvas.getContext('webgl2', attributes);
+    if (!context) throw new Error('this browser has no WebGL 2, which the studio draws with');
+    this.renderer = new WebGLRenderer({ canvas: this.canvas, context });
+    const ratio = software ? 1 : Math.min(devicePixelRatio, 2);
+    this.renderer.setPixelRatio(ratio);
+    this.labels = new LabelPainter(ratio);
     this.renderer.outputColorSpace = LinearSRGBColorSpace;
     this.renderer.setScissorTest(true);
     this.renderer.autoClear = false;
-    const context = this.overlay.getContext('2d');
-    if (!context) throw new Error('this browser cannot draw on a canvas');
-    this.context = context;
     this.observer = new ResizeObserver(() => this.resize());
     this.observer.observe(host);
     this.canvas.addEventListener('webglcontextlost', (event) => event.preventDefault());
@@ -80,24 +83,29 @@ export class Viewer {
     cancelAnimationFrame(this.requested);
     window.clearTimeout(this.settleTimer);
     this.observer.disconnect();
+    this.labels.dispose();
     this.renderer.dispose();
     this.canvas.remove();
-    this.overlay.remove();
   }
 
   private draw(now: number): void {
     this.requested = 0;
     const start = performance.now();
     const bounds = this.host.getBoundingClientRect();
-    this.context.setTransform(1, 0, 0, 1, 0, 0);
-    this.context.clearRect(0, 0, this.overlay.width, this.overlay.height);
+    this.renderer.setViewport(0, 0, bounds.width, bounds.height);
+    this.renderer.setScissor(0, 0, bounds.width, bounds.height);
+    this.renderer.setClearColor(this.gap, 1);
+    this.renderer.clear();
     let flying = false;
+    const measured = this.moving && this.pace.wants(this.views.reduce((sum, view) => sum + view.changes, 0));
+    const coarse = this.moving && !measured && this.pace.slow;
     for (const view of this.views) {
       const box = view.element.getBoundingClientRect();
       if (box.width < 2 || box.height < 2) continue;
       view.width = box.width;
       view.height = box.height;
       view.advance(now);
+      view.setCoarse(coarse);
       flying ||= view.flying;
       const left = box.left - bounds.left;
       const top = box.top - bounds.top;
@@ -108,29 +116,24 @@ export class Viewer {
       this.renderer.setClearColor(view.background, 1);
       this.renderer.clear();
       this.renderer.render(view.scene, view.camera);
-      this.drawOverlay(view, left, top);
+      this.labels.draw(this.renderer, view, !this.moving);
     }
+    if (measured) this.pace.add(this.finish(start));
     this.onFrame?.(performance.now() - start);
     if (flying) this.invalidate(true);
   }
 
-  private drawOverlay(view: View, left: number, top: number): void {
-    const ratio = this.overlay.width / Math.max(this.host.clientWidth, 1);
-    this.context.save();
-    this.context.setTransform(ratio, 0, 0, ratio, left * ratio, top * ratio);
-    this.context.beginPath();
-    this.context.rect(0, 0, view.width, view.height);
-    this.context.clip();
-    drawLabels(this.context, view, !this.moving);
-    this.context.restore();
+  /** The milliseconds since `start` when the picture is done; reading a pixel waits for that. */
+  private finish(start: number): number {
+    const context = this.renderer.getContext();
+    context.readPixels(0, 0, 1, 1, context.RGBA, context.UNSIGNED_BYTE, new Uint8Array(4));
+    return performance.now() - start;
   }
 
   private resize(): void {
     const width = Math.max(this.host.clientWidth, 1);
     const height = Math.max(this.host.clientHeight, 1);
     this.renderer.setSize(width, height, false);
-    this.overlay.width = Math.round(width * Math.min(devicePixelRatio, 2));
-    this.overlay.height = Math.round(height * Math.min(devicePixelRatio, 2));
     // A resized canvas is empty until the next picture, which must not wait for the one after.
     this.draw(performance.now());
   }

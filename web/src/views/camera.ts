@@ -6,7 +6,7 @@ import type { Pane } from './pane.ts';
 import type { PaneCamera } from './pointer.ts';
 
 const RADIANS_PER_PIXEL = 0.008;
-const NEAR = 0.55;
+const NEAR = 0.8;
 
 /** Moves the cameras of the panes: all alike while they are linked. */
 export class StageCamera implements PaneCamera {
@@ -36,7 +36,8 @@ export class StageCamera implements PaneCamera {
   link(pane: Pane): void {
     const { yaw, pitch, distance } = pane.view.orbit;
     for (const other of this.panes()) {
-      if (other !== pane) other.view.flyTo({ ...cloneOrbit(other.view.orbit), yaw, pitch, distance }, performance.now());
+      if (other !== pane)
+        other.view.flyTo({ ...cloneOrbit(other.view.orbit), yaw, pitch, distance }, performance.now());
     }
     this.viewer.invalidate(true);
   }
@@ -63,7 +64,15 @@ export class StageCamera implements PaneCamera {
       direction ??= goal;
       pane.view.flyTo(goal, performance.now());
     }
+    if (direction && display.linked.peek()) this.follow(direction, places);
     this.viewer.invalidate(true);
+  }
+
+  /** Linked panes that have no place to fly to see their whole mesh from the same side. */
+  private follow({ yaw, pitch }: Orbit, places: Map<Pane, unknown>): void {
+    for (const pane of this.panes()) {
+      if (!places.has(pane)) pane.view.flyTo({ ...wholeOrbit(), yaw, pitch }, performance.now());
+    }
   }
 
   private change(pane: Pane, apply: (orbit: Orbit, aspect: number) => void): void {

@@ -46,14 +46,22 @@ export function componentsButton(studio: Studio): HTMLElement {
     const found = components
       .map((component, index) => ({ component, index }))
       .filter(({ component }) => component.name.toLowerCase().includes(search.value));
-    const rows = found.slice(0, MOST_ROWS).map(({ component, index }) => row(studio, side.value, component, index, hidden));
+    const rows = found
+      .slice(0, MOST_ROWS)
+      .map(({ component, index }) => row(studio, side.value, component, index, hidden));
     const more = found.length - rows.length;
     fill(list, ...rows, more > 0 ? h('li', { class: 'muted' }, `${more} more: search for them`) : null);
   });
   return h('span', { class: 'components-menu' }, opener, panel);
 }
 
-function row(studio: Studio, side: Side, component: Component, index: number, hidden: ReadonlySet<number>): HTMLElement {
+function row(
+  studio: Studio,
+  side: Side,
+  component: Component,
+  index: number,
+  hidden: ReadonlySet<number>,
+): HTMLElement {
   const shown = !hidden.has(index);
   return h(
     'li',

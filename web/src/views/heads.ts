@@ -78,7 +78,8 @@ function badge(studio: Studio): HTMLElement {
     const computing = studio.live.states.value.result?.state === 'computing';
     const content = display.target.value;
     element.hidden = !shown || content === 'rest' || content === 'truth';
-    element.textContent = shown?.header.channel === 'result' ? 'Result' : computing ? 'Preview, result follows' : 'Preview';
+    element.textContent =
+      shown?.header.channel === 'result' ? 'Result' : computing ? 'Preview, result follows' : 'Preview';
   });
   return element;
 }

@@ -1,10 +1,10 @@
-import { Picker, type Hit } from '../picking/picker.ts';
-import type { Point, Side } from '../protocol/types.ts';
-import { h } from '../ui/dom.ts';
 import { Vector3 } from 'three';
 import { pointOn, triangleNormal } from '../picking/barycentric.ts';
+import { type Hit, Picker } from '../picking/picker.ts';
+import type { Point, Side } from '../protocol/types.ts';
+import { h } from '../ui/dom.ts';
 import type { Label } from '../viewer/labels.ts';
-import { Surface, type MeshData } from '../viewer/surface.ts';
+import { type MeshData, Surface } from '../viewer/surface.ts';
 import type { View } from '../viewer/view.ts';
 import type { Viewer } from '../viewer/viewer.ts';
 
@@ -40,7 +40,13 @@ export class Pane {
       'aria-roledescription': '3D view',
       'aria-label': `${TITLES[role]}. Arrow keys turn the view, plus and minus zoom, Enter sets a point at the centre.`,
     });
-    this.element = h('section', { class: `pane pane-${role}`, 'aria-label': TITLES[role] }, surface, this.head, this.foot);
+    this.element = h(
+      'section',
+      { class: `pane pane-${role}`, 'aria-label': TITLES[role] },
+      surface,
+      this.head,
+      this.foot,
+    );
     this.view = viewer.addView(surface);
     this.view.occluded = (label) => this.isBehind(label);
   }
@@ -100,7 +106,9 @@ export class Pane {
     if ('vertex' in point) return this.locateVertex(surface, point.vertex);
     if (point.triangle * 3 + 2 >= surface.triangles.length) return null;
     return {
-      position: pointOn(surface.positions, surface.triangles, point.triangle, point.barycentric).applyMatrix4(surface.matrix),
+      position: pointOn(surface.positions, surface.triangles, point.triangle, point.barycentric).applyMatrix4(
+        surface.matrix,
+      ),
       normal: triangleNormal(surface.positions, surface.triangles, point.triangle).transformDirection(surface.matrix),
     };
   }

@@ -1,10 +1,10 @@
 import { display } from '../app/display.ts';
 import type { Meshes, Studio } from '../app/studio.ts';
 import { MarkerTool } from '../markers/tool.ts';
+import type { Point, Session } from '../protocol/types.ts';
 import { h } from '../ui/dom.ts';
 import { effect, signal } from '../ui/signal.ts';
 import { theme } from '../ui/theme.ts';
-import type { Point, Session } from '../protocol/types.ts';
 import type { ColourMapName } from '../viewer/colours.ts';
 import { Viewer } from '../viewer/viewer.ts';
 import { StageCamera } from './camera.ts';
@@ -15,6 +15,7 @@ import { listenToPointer, type PaneTool } from './pointer.ts';
 
 const XRAY_OPACITY = 0.35;
 const GHOST_OPACITY = 0.4;
+const NONE: ReadonlySet<number> = new Set();
 
 /** The panes with both meshes, kept in step with what the studio knows. */
 export class Stage {
@@ -27,6 +28,8 @@ export class Stage {
   readonly tool = signal<PaneTool>(null as unknown as PaneTool);
   /** Colours that a tool shows in place of those of the result. */
   readonly painted = signal<{ side: string; values: Float32Array } | null>(null);
+  /** Components that a tool has chosen or hovers over. */
+  readonly tinted = signal<{ side: string; components: ReadonlySet<number> } | null>(null);
   private readonly studio: Studio;
   /** Count changes that later steps depend on: effects of one signal run in no fixed order. */
   private readonly surfaces = signal(0);
@@ -45,6 +48,7 @@ export class Stage {
     effect(() => this.showValues());
     effect(() => this.showLook());
     effect(() => this.showHidden());
+    effect(() => this.showTint());
     effect(() => this.showLabels());
   }
 
@@ -91,7 +95,10 @@ export class Stage {
 
   private makePane(role: Role): Pane {
     const pane = new Pane(this.viewer, role);
-    this.ending.set(pane, listenToPointer(pane, () => this.tool.peek(), this.camera));
+    this.ending.set(
+      pane,
+      listenToPointer(pane, () => this.tool.peek(), this.camera),
+    );
     return pane;
   }
 
@@ -152,8 +159,10 @@ export class Stage {
     const [wireframe, xray] = [display.wireframe.value, display.xray.value];
     // A ghost comes and goes with the positions.
     void [this.surfaces.value, this.moved.value];
+    this.viewer.gap.copy(palette.gap);
     for (const pane of this.panes.peek()) {
       pane.view.background.copy(palette.background);
+      pane.view.transparent = xray;
       pane.surface?.setLook(palette[pane.side], palette.line);
       pane.surface?.setWireframe(wireframe);
       pane.surface?.setOpacity(xray ? XRAY_OPACITY : 1);
@@ -173,6 +182,13 @@ export class Stage {
     this.viewer.invalidate();
   }
 
+  private showTint(): void {
+    void this.surfaces.value;
+    const tinted = this.tinted.value;
+    for (const pane of this.panes.peek()) pane.surface?.tint(tinted?.side === pane.side ? tinted.components : NONE);
+    this.viewer.invalidate();
+  }
+
   private showLabels(): void {
     const { studio } = this;
     const state = {
@@ -188,7 +204,12 @@ export class Stage {
   }
 }
 
-const MAPS: Record<string, ColourMapName> = { error: 'error', stretch: 'stretch', gaps: 'gaps', confidence: 'confidence' };
+const MAPS: Record<string, ColourMapName> = {
+  error: 'error',
+  stretch: 'stretch',
+  gaps: 'gaps',
+  confidence: 'confidence',
+};
 
 export function mapOf(scalar: string): ColourMapName {
   return MAPS[scalar] ?? 'error';

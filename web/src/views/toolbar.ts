@@ -19,7 +19,12 @@ export function viewToolbar(studio: Studio, stage: Stage): HTMLElement {
   );
 }
 
-function toggle(label: string, keys: string, icon: 'wireframe' | 'xray' | 'link' | 'columns3', value: { value: boolean }): HTMLElement {
+function toggle(
+  label: string,
+  keys: string,
+  icon: 'wireframe' | 'xray' | 'link' | 'columns3',
+  value: { value: boolean },
+): HTMLElement {
   return button({
     label,
     keys,

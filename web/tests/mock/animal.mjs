@@ -30,10 +30,28 @@ const LEGS = [
 
 /** Points that have names, for proposals. */
 export const NAMED = {
-  horse: [['nose', [1.15, 0.36, 0]], ['left ear', [0.8, 0.7, 0.085]], ['right ear', [0.8, 0.7, -0.085]], ['tail', [-0.88, -0.28, 0]], ['withers', [0.3, 0.25, 0]], ['rump', [-0.6, 0.2, 0]], ['belly', [0, -0.2, 0]],
-    ...LEGS.map(([name, x, z]) => [`${name} foot`, [x, -0.95, z]]), ...LEGS.map(([name, x, z]) => [`${name} knee`, [x + 0.05, -0.5, z]])],
-  camel: [['nose', [1.31, 0.5, 0]], ['left ear', [0.94, 0.68, 0.085]], ['right ear', [0.94, 0.68, -0.085]], ['tail', [-0.74, -0.28, 0]], ['withers', [0.3, 0.22, 0]], ['rump', [-0.6, 0.18, 0]], ['belly', [0, -0.22, 0]],
-    ...LEGS.map(([name, x, z]) => [`${name} foot`, [x, -1.1, z]]), ...LEGS.map(([name, x, z]) => [`${name} knee`, [x + 0.05, -0.55, z]])],
+  horse: [
+    ['nose', [1.15, 0.36, 0]],
+    ['left ear', [0.8, 0.7, 0.085]],
+    ['right ear', [0.8, 0.7, -0.085]],
+    ['tail', [-0.88, -0.28, 0]],
+    ['withers', [0.3, 0.25, 0]],
+    ['rump', [-0.6, 0.2, 0]],
+    ['belly', [0, -0.2, 0]],
+    ...LEGS.map(([name, x, z]) => [`${name} foot`, [x, -0.95, z]]),
+    ...LEGS.map(([name, x, z]) => [`${name} knee`, [x + 0.05, -0.5, z]]),
+  ],
+  camel: [
+    ['nose', [1.31, 0.5, 0]],
+    ['left ear', [0.94, 0.68, 0.085]],
+    ['right ear', [0.94, 0.68, -0.085]],
+    ['tail', [-0.74, -0.28, 0]],
+    ['withers', [0.3, 0.22, 0]],
+    ['rump', [-0.6, 0.18, 0]],
+    ['belly', [0, -0.22, 0]],
+    ...LEGS.map(([name, x, z]) => [`${name} foot`, [x, -1.1, z]]),
+    ...LEGS.map(([name, x, z]) => [`${name} knee`, [x + 0.05, -0.55, z]]),
+  ],
 };
 
 function bonesOf(kind) {
@@ -93,10 +111,18 @@ export function animal(kind, resolution) {
           }
         if (!count) continue;
         vertexOf[at(x, y, z)] = positions.length / 3;
-        positions.push(low[0] + (x + sum[0] / count) * step, low[1] + (y + sum[1] / count) * step, low[2] + (z + sum[2] / count) * step);
+        positions.push(
+          low[0] + (x + sum[0] / count) * step,
+          low[1] + (y + sum[1] / count) * step,
+          low[2] + (z + sum[2] / count) * step,
+        );
       }
   const quads = [];
-  const offsets = [[1, at(1, 0, 0)], [2, at(0, 1, 0)], [3, at(0, 0, 1)]].map(([, o]) => o);
+  const offsets = [
+    [1, at(1, 0, 0)],
+    [2, at(0, 1, 0)],
+    [3, at(0, 0, 1)],
+  ].map(([, o]) => o);
   for (let z = 1; z + 1 < size[2]; z++)
     for (let y = 1; y + 1 < size[1]; y++)
       for (let x = 1; x + 1 < size[0]; x++) {
@@ -111,7 +137,11 @@ export function animal(kind, resolution) {
       }
   const components = [{ name: 'body', polygons: quads }];
   const eye = kind === 'camel' ? [1.06, 0.57] : [0.88, 0.52];
-  for (const [name, z] of [['eye_L', 0.07], ['eye_R', -0.07]]) components.push({ name, polygons: sphere(positions, [eye[0], eye[1], z], 0.035, 12) });
+  for (const [name, z] of [
+    ['eye_L', 0.1],
+    ['eye_R', -0.1],
+  ])
+    components.push({ name, polygons: sphere(positions, [eye[0], eye[1], z], 0.035, 12) });
   return assemble(positions, components, bones);
 }
 
@@ -120,7 +150,11 @@ function sphere(positions, centre, radius, count) {
   for (let i = 0; i <= count; i++)
     for (let j = 0; j < count; j++) {
       const [a, b] = [(Math.PI * i) / count, (2 * Math.PI * j) / count];
-      positions.push(centre[0] + radius * Math.sin(a) * Math.cos(b), centre[1] + radius * Math.cos(a), centre[2] - radius * Math.sin(a) * Math.sin(b));
+      positions.push(
+        centre[0] + radius * Math.sin(a) * Math.cos(b),
+        centre[1] + radius * Math.cos(a),
+        centre[2] - radius * Math.sin(a) * Math.sin(b),
+      );
     }
   const polygons = [];
   for (let i = 0; i < count; i++)
@@ -149,18 +183,34 @@ function assemble(list, parts, bones) {
         components.push(index);
       }
     }
-    facts.push({ name: part.name, vertices: new Set(part.polygons.flat()).size, triangles: components.length - before });
+    facts.push({
+      name: part.name,
+      vertices: new Set(part.polygons.flat()).size,
+      triangles: components.length - before,
+    });
   });
   return {
     positions,
     triangles: new Uint32Array(triangles),
     components: new Uint32Array(components),
-    welded: new Uint32Array(positions.length / 3).map((_, i) => i),
+    welded: weld(positions),
     edges: new Uint32Array([...edges].flatMap((key) => [Math.floor(key / 2 ** 26), key % 2 ** 26])),
     facts,
     polygons: parts.reduce((sum, part) => sum + part.polygons.length, 0),
     weights: legWeights(positions, bones),
   };
+}
+
+function weld(positions) {
+  const first = new Map();
+  return new Uint32Array(positions.length / 3).map((_, v) => {
+    const key = positions
+      .subarray(v * 3, v * 3 + 3)
+      .map((x) => Math.round(x * 1e6))
+      .join();
+    if (!first.has(key)) first.set(key, v);
+    return first.get(key);
+  });
 }
 
 function legWeights(positions, bones) {
@@ -203,7 +253,10 @@ export function nearestVertex(positions, point) {
   let best = 0;
   let least = Infinity;
   for (let v = 0; v < positions.length / 3; v++) {
-    const d = (positions[v * 3] - point[0]) ** 2 + (positions[v * 3 + 1] - point[1]) ** 2 + (positions[v * 3 + 2] - point[2]) ** 2;
+    const d =
+      (positions[v * 3] - point[0]) ** 2 +
+      (positions[v * 3 + 1] - point[1]) ** 2 +
+      (positions[v * 3 + 2] - point[2]) ** 2;
     if (d < least) [least, best] = [d, v];
   }
   return best;

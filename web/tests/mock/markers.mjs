@@ -13,14 +13,36 @@ export class MarkerDocument {
 
   make(pair) {
     const id = this.nextId++;
-    return { id, number: 0, colour: (id - 1) % 12, name: null, note: null, source: null, target: null, status: 'confirmed', confidence: null, origin: 'user', revision: this.revision, respects: {}, ...pair };
+    return {
+      id,
+      number: 0,
+      colour: (id - 1) % 12,
+      name: null,
+      note: null,
+      source: null,
+      target: null,
+      status: 'confirmed',
+      confidence: null,
+      origin: 'user',
+      revision: this.revision,
+      respects: {},
+      ...pair,
+    };
   }
 
   view() {
     const pairs = this.pairs.map(({ respects, ...pair }, i) => ({ ...pair, number: i + 1 }));
     return {
-      revision: this.revision, file: 'camel-from-horse.markers.yaml', pairs, can_undo: this.past.length > 0, can_redo: this.future.length > 0,
-      undo: this.past.at(-1)?.title ?? null, redo: this.future.at(-1)?.title ?? null, problems: [], disk: 'saved', disk_error: null,
+      revision: this.revision,
+      file: 'camel-from-horse.markers.yaml',
+      pairs,
+      can_undo: this.past.length > 0,
+      can_redo: this.future.length > 0,
+      undo: this.past.at(-1)?.title ?? null,
+      redo: this.future.at(-1)?.title ?? null,
+      problems: [],
+      disk: 'saved',
+      disk_error: null,
     };
   }
 
@@ -49,7 +71,11 @@ export class MarkerDocument {
         this.pairs = this.pairs.filter((other) => other !== pair);
       } else if ((pair.respects[respect] ?? 0) > base) {
         fail('it was changed in another place');
-      } else if (op.op === 'rename' && op.name && this.pairs.some((other) => other !== pair && other.name === op.name)) {
+      } else if (
+        op.op === 'rename' &&
+        op.name &&
+        this.pairs.some((other) => other !== pair && other.name === op.name)
+      ) {
         fail(`another pair is called ${op.name}`);
       } else {
         if (op.op === 'move') {
@@ -64,14 +90,24 @@ export class MarkerDocument {
     });
     this.past.push({ pairs: before, title: `${ops[0]?.op} ${ops[0]?.pair ?? ''}`.trim() });
     this.future = [];
-    const result = { markers: this.view(), added, conflicts, mirrored: ops.some((op) => op.op === 'mirror') ? { added: 0, left: [] } : null };
+    const result = {
+      markers: this.view(),
+      added,
+      conflicts,
+      mirrored: ops.some((op) => op.op === 'mirror') ? { added: 0, left: [] } : null,
+    };
     this.done.set(id, result);
     return result;
   }
 
   step(from, to, base) {
     if (base !== this.revision || from.length === 0) {
-      return { markers: this.view(), added: [], conflicts: [{ op: 0, pair: null, reason: 'the document has changed', current: null }], mirrored: null };
+      return {
+        markers: this.view(),
+        added: [],
+        conflicts: [{ op: 0, pair: null, reason: 'the document has changed', current: null }],
+        mirrored: null,
+      };
     }
     const step = from.pop();
     to.push({ pairs: structuredClone(this.pairs), title: step.title });

@@ -30,23 +30,52 @@ export class Project {
   facts(side) {
     const mesh = this.meshes[side];
     const low = [0, 1, 2].map((i) => mesh.positions.reduce((m, x, k) => (k % 3 === i ? Math.min(m, x) : m), Infinity));
-    const high = [0, 1, 2].map((i) => mesh.positions.reduce((m, x, k) => (k % 3 === i ? Math.max(m, x) : m), -Infinity));
+    const high = [0, 1, 2].map((i) =>
+      mesh.positions.reduce((m, x, k) => (k % 3 === i ? Math.max(m, x) : m), -Infinity),
+    );
     return {
-      file: side === 'source' ? 'horse.glb' : 'camel.glb', vertices: mesh.positions.length / 3, polygons: mesh.polygons, triangles: mesh.triangles.length / 3,
-      components: mesh.facts, bounds: [low, high], origin: [0, 0, 0], diagonal: Math.hypot(...high.map((h, i) => h - low[i])), up: 'y', unit: 'm', warnings: [],
+      file: side === 'source' ? 'horse.glb' : 'camel.glb',
+      vertices: mesh.positions.length / 3,
+      polygons: mesh.polygons,
+      triangles: mesh.triangles.length / 3,
+      components: mesh.facts,
+      bounds: [low, high],
+      origin: [0, 0, 0],
+      diagonal: Math.hypot(...high.map((h, i) => h - low[i])),
+      up: 'y',
+      unit: 'm',
+      warnings: [],
     };
   }
 
   session() {
-    const names = this.shapes ? ['jawOpen', 'smileLeft', 'smileRight', 'browUp', 'blink'] : Array.from({ length: FRAMES }, (_, i) => `Walk ${i}`);
+    const names = this.shapes
+      ? ['jawOpen', 'smileLeft', 'smileRight', 'browUp', 'blink']
+      : Array.from({ length: FRAMES }, (_, i) => `Walk ${i}`);
     return {
-      project: this.number, version: '0.1.0', allow_commands: false, name: 'camel-from-horse', source: this.facts('source'), target: this.facts('target'),
-      poses: { are: this.shapes ? 'shapes' : 'frames', fps: this.shapes ? null : 24, list: names.map((name, i) => ({ name, clip: this.shapes ? null : 'Walk', seconds: this.shapes ? null : i / 24 })) },
+      project: this.number,
+      version: '0.1.0',
+      allow_commands: false,
+      name: 'camel-from-horse',
+      source: this.facts('source'),
+      target: this.facts('target'),
+      poses: {
+        are: this.shapes ? 'shapes' : 'frames',
+        fps: this.shapes ? null : 24,
+        list: names.map((name, i) => ({
+          name,
+          clip: this.shapes ? null : 'Walk',
+          seconds: this.shapes ? null : i / 24,
+        })),
+      },
       scalars: [
-        { name: 'error', title: 'error', unit: '% of the diagonal', needs_truth: true }, { name: 'stretch', title: 'edge stretch', unit: '%', needs_truth: false },
-        { name: 'gaps', title: 'gaps', unit: '% of the diagonal', needs_truth: false }, { name: 'confidence', title: 'confidence', unit: '', needs_truth: false },
+        { name: 'error', title: 'error', unit: '% of the diagonal', needs_truth: true },
+        { name: 'stretch', title: 'edge stretch', unit: '%', needs_truth: false },
+        { name: 'gaps', title: 'gaps', unit: '% of the diagonal', needs_truth: false },
+        { name: 'confidence', title: 'confidence', unit: '', needs_truth: false },
       ],
-      has_truth: true, live: { preview: true, reason: null },
+      has_truth: true,
+      live: { preview: true, reason: null },
     };
   }
 
@@ -56,15 +85,44 @@ export class Project {
     const document = YAML.parseDocument(this.text);
     for (const error of document.errors) {
       const at = error.linePos?.[0];
-      diagnostics.push({ level: 'error', message: error.message.split('\n')[0], hint: null, file: 'camel-from-horse.yaml', line: at?.line ?? 1, column: at?.col ?? 1, length: 1, path: null });
+      diagnostics.push({
+        level: 'error',
+        message: error.message.split('\n')[0],
+        hint: null,
+        file: 'camel-from-horse.yaml',
+        line: at?.line ?? 1,
+        column: at?.col ?? 1,
+        length: 1,
+        path: null,
+      });
     }
     if (document.errors.length === 0) value = document.toJS();
     const steps = value?.correspondence?.steps;
     if (steps !== undefined && !(steps >= 1 && steps <= 20)) {
       const line = this.text.split('\n').findIndex((text) => text.includes('steps')) + 1;
-      diagnostics.push({ level: 'error', message: `steps is ${steps}, but must be from 1 to 20`, hint: 'leave it out for 4', file: 'camel-from-horse.yaml', line, column: this.text.split('\n')[line - 1].indexOf('steps') + 1, length: 5, path: ['correspondence', 'steps'] });
+      diagnostics.push({
+        level: 'error',
+        message: `steps is ${steps}, but must be from 1 to 20`,
+        hint: 'leave it out for 4',
+        file: 'camel-from-horse.yaml',
+        line,
+        column: this.text.split('\n')[line - 1].indexOf('steps') + 1,
+        length: 5,
+        path: ['correspondence', 'steps'],
+      });
     }
-    return { revision: this.pipelineRevision, file: 'camel-from-horse.yaml', exists: true, text: this.text, value, diagnostics, choices: [{ slot: 'proximity', value: { type: 'spanning_tree' }, reason: 'the target has 3 parts' }], outputs: ['out/camel.glb', 'out/report.html'], disk: 'saved', disk_error: null };
+    return {
+      revision: this.pipelineRevision,
+      file: 'camel-from-horse.yaml',
+      exists: true,
+      text: this.text,
+      value,
+      diagnostics,
+      choices: [{ slot: 'proximity', value: { type: 'spanning_tree' }, reason: 'the target has 3 parts' }],
+      outputs: ['out/camel.glb', 'out/report.html'],
+      disk: 'saved',
+      disk_error: null,
+    };
   }
 
   change(path, value) {
@@ -107,9 +165,42 @@ export class Project {
     const mesh = this.meshes.target;
     const at = (point) => nearestVertex(mesh.positions, point);
     return [
-      { pose: 6, pose_name: 'Walk 6', metric: 'edge_stretch', title: 'edge stretch', value: 34.2, unit: '%', limit: 25, level: 'bad', about: 'front.L knee', vertex: at([0.45, -0.5, 0.12]) },
-      { pose: 18, pose_name: 'Walk 18', metric: 'edge_stretch', title: 'edge stretch', value: 22.8, unit: '%', limit: 25, level: 'doubtful', about: 'back.R knee', vertex: at([-0.45, -0.5, -0.12]) },
-      { pose: 11, pose_name: 'Walk 11', metric: 'point_error', title: 'point error', value: 1.4, unit: '% of the diagonal', limit: 2, level: 'good', about: 'nose', vertex: at([1.3, 0.5, 0]) },
+      {
+        pose: 6,
+        pose_name: 'Walk 6',
+        metric: 'edge_stretch',
+        title: 'edge stretch',
+        value: 34.2,
+        unit: '%',
+        limit: 25,
+        level: 'bad',
+        about: 'front.L knee',
+        vertex: at([0.45, -0.5, 0.12]),
+      },
+      {
+        pose: 18,
+        pose_name: 'Walk 18',
+        metric: 'edge_stretch',
+        title: 'edge stretch',
+        value: 22.8,
+        unit: '%',
+        limit: 25,
+        level: 'doubtful',
+        about: 'back.R knee',
+        vertex: at([-0.45, -0.5, -0.12]),
+      },
+      {
+        pose: 11,
+        pose_name: 'Walk 11',
+        metric: 'point_error',
+        title: 'point error',
+        value: 1.4,
+        unit: '% of the diagonal',
+        limit: 2,
+        level: 'good',
+        about: 'nose',
+        vertex: at([1.3, 0.5, 0]),
+      },
     ];
   }
 }
@@ -119,7 +210,14 @@ function proposals(meshes) {
     const confidence = Math.max(0.12, Math.round((0.97 - ((i * 37) % 15) * 0.062) * 100) / 100);
     const source = { vertex: nearestVertex(meshes.source.positions, point) };
     const target = i === 6 ? null : { vertex: nearestVertex(meshes.target.positions, NAMED.camel[i][1]) };
-    return { name, source, target, status: i < 3 ? 'confirmed' : 'proposed', confidence: i < 3 ? null : confidence, origin: 'proposed' };
+    return {
+      name,
+      source,
+      target,
+      status: i < 3 ? 'confirmed' : 'proposed',
+      confidence: i < 3 ? null : confidence,
+      origin: 'proposed',
+    };
   });
 }
 

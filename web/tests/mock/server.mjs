@@ -7,7 +7,13 @@ import { writeContainer } from './container.mjs';
 import { Project } from './project.mjs';
 import { schema } from './schema.mjs';
 
-const TYPES = { '.html': 'text/html', '.js': 'text/javascript', '.css': 'text/css', '.svg': 'image/svg+xml', '.json': 'application/json' };
+const TYPES = {
+  '.html': 'text/html',
+  '.js': 'text/javascript',
+  '.css': 'text/css',
+  '.svg': 'image/svg+xml',
+  '.json': 'application/json',
+};
 const POLICY =
   "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; font-src 'self'; connect-src 'self'; worker-src 'self' blob:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
@@ -21,7 +27,9 @@ export class MockServer {
   }
 
   listen(port = 0) {
-    return new Promise((resolve) => this.server.listen(port, '127.0.0.1', () => resolve(`http://127.0.0.1:${this.server.address().port}`)));
+    return new Promise((resolve) =>
+      this.server.listen(port, '127.0.0.1', () => resolve(`http://127.0.0.1:${this.server.address().port}`)),
+    );
   }
 
   close() {
@@ -45,17 +53,41 @@ export class MockServer {
       response.writeHead(status, { 'Content-Type': 'application/json' });
       response.end(JSON.stringify(body));
     };
-    const fail = (status, message, hint = null) => send(status, { error: { code: status === 404 ? 'not_found' : 'unprocessable', message, hint, diagnostics: [] } });
+    const fail = (status, message, hint = null) =>
+      send(status, { error: { code: status === 404 ? 'not_found' : 'unprocessable', message, hint, diagnostics: [] } });
     const route = `${request.method} ${url.pathname}`;
     if (!url.pathname.startsWith('/api/')) return this.file(url.pathname, response);
     const { project } = this;
-    if (route === 'GET /api/session') return send(200, project ? project.session() : { project: null, version: '0.1.0', allow_commands: false, name: null, source: null, target: null, poses: null, scalars: [], has_truth: false, live: { preview: false, reason: null } });
+    if (route === 'GET /api/session')
+      return send(
+        200,
+        project
+          ? project.session()
+          : {
+              project: null,
+              version: '0.1.0',
+              allow_commands: false,
+              name: null,
+              source: null,
+              target: null,
+              poses: null,
+              scalars: [],
+              has_truth: false,
+              live: { preview: false, reason: null },
+            },
+      );
     if (route === 'GET /api/files') return send(200, folder(url.searchParams.get('path')));
-    if (route === 'POST /api/upload') return send(200, { path: `/uploads/${url.searchParams.get('name')}`, bytes: raw.length });
-    if (route === 'GET /api/about') return send(200, { version: '0.1.0', licences: JSON.parse(await readFile(join(this.dist, 'licences.json'), 'utf8')) });
+    if (route === 'POST /api/upload')
+      return send(200, { path: `/uploads/${url.searchParams.get('name')}`, bytes: raw.length });
+    if (route === 'GET /api/about')
+      return send(200, {
+        version: '0.1.0',
+        licences: JSON.parse(await readFile(join(this.dist, 'licences.json'), 'utf8')),
+      });
     if (route === 'GET /api/schema') return send(200, schema);
     if (route === 'POST /api/open') {
-      if (Object.values(json).some((path) => path.includes('broken'))) return fail(422, 'broken.obj, line 12: the face names vertex 99, but there are 8', 'export the mesh again');
+      if (Object.values(json).some((path) => path.includes('broken')))
+        return fail(422, 'broken.obj, line 12: the face names vertex 99, but there are 8', 'export the mesh again');
       this.open();
       const session = this.project.session();
       this.broadcast({ type: 'session', session });
@@ -66,20 +98,40 @@ export class MockServer {
     if (mesh) {
       const { positions, triangles, components, welded, edges } = project.meshes[mesh[1]];
       response.writeHead(200, { 'Content-Type': 'application/octet-stream' });
-      return response.end(writeContainer({ project: project.number, side: mesh[1] }, { positions, triangles, components, welded, edges }));
+      return response.end(
+        writeContainer({ project: project.number, side: mesh[1] }, { positions, triangles, components, welded, edges }),
+      );
     }
     const { markers } = project;
     if (route === 'GET /api/markers') return send(200, markers.view());
     if (route.startsWith('POST /api/markers')) {
       if (route.endsWith('/propose')) return send(200, this.job('propose'));
-      const result = route.endsWith('/undo') ? markers.step(markers.past, markers.future, json.base) : route.endsWith('/redo') ? markers.step(markers.future, markers.past, json.base) : markers.edit(json);
+      const result = route.endsWith('/undo')
+        ? markers.step(markers.past, markers.future, json.base)
+        : route.endsWith('/redo')
+          ? markers.step(markers.future, markers.past, json.base)
+          : markers.edit(json);
       this.broadcast({ type: 'markers', markers: markers.view(), cause: 'edit' });
       this.refresh();
       return send(result.conflicts.length ? 409 : 200, result);
     }
     if (route === 'GET /api/markers/next') {
-      const pair = markers.view().pairs.filter((p) => p.status === 'proposed').sort((a, b) => a.confidence - b.confidence)[0];
-      return send(200, pair ? { kind: 'doubtful', pair: pair.id, source: pair.source, target: pair.target, reason: 'This pair is the least sure.' } : { kind: 'none', pair: null, source: null, target: null, reason: 'All pairs are confirmed.' });
+      const pair = markers
+        .view()
+        .pairs.filter((p) => p.status === 'proposed')
+        .sort((a, b) => a.confidence - b.confidence)[0];
+      return send(
+        200,
+        pair
+          ? {
+              kind: 'doubtful',
+              pair: pair.id,
+              source: pair.source,
+              target: pair.target,
+              reason: 'This pair is the least sure.',
+            }
+          : { kind: 'none', pair: null, source: null, target: null, reason: 'All pairs are confirmed.' },
+      );
     }
     if (route === 'GET /api/pipeline') return send(200, project.pipeline());
     if (/^(PUT|POST) \/api\/pipeline/.test(route)) {
@@ -99,7 +151,8 @@ export class MockServer {
       this.broadcast({ type: 'job', job });
       return send(200, job);
     }
-    if (url.pathname.startsWith('/api/masks')) return this.mask(request.method, url.pathname.split('/').slice(3), raw, json, send, response);
+    if (url.pathname.startsWith('/api/masks'))
+      return this.mask(request.method, url.pathname.split('/').slice(3), raw, json, send, response);
     return fail(404, 'no such route');
   }
 
@@ -109,7 +162,12 @@ export class MockServer {
     const list = () => ({ masks: [...masks.values()].map(({ data, ...mask }) => mask) });
     if (!side) return send(200, list());
     if (method === 'PUT') {
-      const mask = { name: decodeURIComponent(name), side, file: `${name}.${side}.mask.json`, kind: components ? 'components' : 'weights' };
+      const mask = {
+        name: decodeURIComponent(name),
+        side,
+        file: `${name}.${side}.mask.json`,
+        kind: components ? 'components' : 'weights',
+      };
       masks.set(key, { ...mask, data: json ?? raw });
       return send(200, mask);
     }
@@ -124,23 +182,52 @@ export class MockServer {
   async file(path, response) {
     const name = path === '/' ? 'index.html' : normalize(path).replace(/^[/.]+/, '');
     const body = await readFile(join(this.dist, name)).catch(() => null);
-    response.writeHead(body ? 200 : 404, { 'Content-Type': TYPES[extname(name)] ?? 'application/octet-stream', 'Content-Security-Policy': POLICY });
+    response.writeHead(body ? 200 : 404, {
+      'Content-Type': TYPES[extname(name)] ?? 'application/octet-stream',
+      'Content-Security-Policy': POLICY,
+    });
     response.end(body);
   }
 
   job(kind) {
-    const job = { id: this.project.jobs.length + 1, kind, state: 'running', stage: 'correspondence', share: 0, poses: null, seconds: 0, seconds_left: null, error: null, warnings: [], result: null };
+    const job = {
+      id: this.project.jobs.length + 1,
+      kind,
+      state: 'running',
+      stage: 'correspondence',
+      share: 0,
+      poses: null,
+      seconds: 0,
+      seconds_left: null,
+      error: null,
+      warnings: [],
+      result: null,
+    };
     this.project.jobs.unshift(job);
     const stages = ['correspondence', 'transfer', 'metrics', 'report'];
     const timer = setInterval(() => {
       if (job.state !== 'running') return clearInterval(timer);
       job.seconds += 0.1;
       const t = job.seconds / 1.6;
-      Object.assign(job, { stage: stages[Math.min(3, Math.floor(t * 4))], share: (t * 4) % 1, poses: { done: Math.min(24, Math.floor(t * 24)), count: 24 }, seconds_left: Math.max(0, 1.6 - job.seconds) });
+      Object.assign(job, {
+        stage: stages[Math.min(3, Math.floor(t * 4))],
+        share: (t * 4) % 1,
+        poses: { done: Math.min(24, Math.floor(t * 24)), count: 24 },
+        seconds_left: Math.max(0, 1.6 - job.seconds),
+      });
       if (t >= 1) {
         job.state = 'done';
         if (kind === 'run')
-          job.result = { status: 'done', verdict: 'doubtful', written: [{ name: 'camel.glb', path: 'out/camel.glb', bytes: 1482332, url: '/api/output/0' }, { name: 'report.html', path: 'out/report.html', bytes: 223111, url: '/api/output/1' }], report: {}, worst: this.project.worst() };
+          job.result = {
+            status: 'done',
+            verdict: 'doubtful',
+            written: [
+              { name: 'camel.glb', path: 'out/camel.glb', bytes: 1482332, url: '/api/output/0' },
+              { name: 'report.html', path: 'out/report.html', bytes: 223111, url: '/api/output/1' },
+            ],
+            report: {},
+            worst: this.project.worst(),
+          };
       }
       this.broadcast({ type: 'job', job });
     }, 100);
@@ -152,7 +239,14 @@ export class MockServer {
     socket.on('close', () => this.sockets.delete(socket));
     socket.on('message', (data) => this.receive(socket, JSON.parse(data.toString())));
     const { project } = this;
-    socket.send(JSON.stringify({ type: 'hello', project: project?.number ?? null, markers: project?.markers.revision ?? 0, pipeline: project?.pipelineRevision ?? 0 }));
+    socket.send(
+      JSON.stringify({
+        type: 'hello',
+        project: project?.number ?? null,
+        markers: project?.markers.revision ?? 0,
+        pipeline: project?.pipelineRevision ?? 0,
+      }),
+    );
   }
 
   receive(socket, message) {
@@ -164,7 +258,14 @@ export class MockServer {
     setTimeout(() => {
       socket.due = false;
       this.frames(socket, channels);
-      socket.send(JSON.stringify({ type: 'worst', channel: 'result', revision: this.project.markers.revision, list: this.project.worst() }));
+      socket.send(
+        JSON.stringify({
+          type: 'worst',
+          channel: 'result',
+          revision: this.project.markers.revision,
+          list: this.project.worst(),
+        }),
+      );
     }, this.delay);
   }
 
@@ -188,8 +289,24 @@ export class MockServer {
       const limits = { error: [0, 2, 1.5], stretch: [-20, 20, 15], gaps: [0, 2, 1], confidence: [0, 1, null] }[scalar];
       if (coloured) arrays.scalars = project.scalars(scalar, pose, positions);
       const header = {
-        project: project.number, channel, look, drag: channel === 'preview' ? (socket.drag?.drag ?? null) : null, pose, revision: project.markers.revision, pipeline: project.pipelineRevision,
-        scalar: coloured ? { name: known.name, title: known.title, unit: known.unit, low: limits[0], high: limits[1], limit: limits[2] } : null, milliseconds: performance.now() - start,
+        project: project.number,
+        channel,
+        look,
+        drag: channel === 'preview' ? (socket.drag?.drag ?? null) : null,
+        pose,
+        revision: project.markers.revision,
+        pipeline: project.pipelineRevision,
+        scalar: coloured
+          ? {
+              name: known.name,
+              title: known.title,
+              unit: known.unit,
+              low: limits[0],
+              high: limits[1],
+              limit: limits[2],
+            }
+          : null,
+        milliseconds: performance.now() - start,
       };
       socket.send(writeContainer(header, arrays));
     }
@@ -202,9 +319,28 @@ export class MockServer {
 
 function folder(path) {
   const root = { name: 'meshes', path: '/meshes' };
-  const file = (name, kind, bytes) => ({ name, path: `${path ?? '/meshes'}/${name}`, kind, bytes, modified: 1700000000 });
-  const entries = path === '/meshes/faces' ? [] : [
-    file('faces', 'folder', 0), file('broken.obj', 'mesh', 512), file('camel.glb', 'mesh', 812332), file('horse.glb', 'mesh', 1482332), file('horse-to-camel.yaml', 'pipeline', 420), file('notes.txt', 'other', 99),
-  ];
-  return { path: path ?? '/meshes', parent: path && path !== '/meshes' ? '/meshes' : null, roots: [root, { name: 'Uploads', path: '/uploads' }], entries };
+  const file = (name, kind, bytes) => ({
+    name,
+    path: `${path ?? '/meshes'}/${name}`,
+    kind,
+    bytes,
+    modified: 1700000000,
+  });
+  const entries =
+    path === '/meshes/faces'
+      ? []
+      : [
+          file('faces', 'folder', 0),
+          file('broken.obj', 'mesh', 512),
+          file('camel.glb', 'mesh', 812332),
+          file('horse.glb', 'mesh', 1482332),
+          file('horse-to-camel.yaml', 'pipeline', 420),
+          file('notes.txt', 'other', 99),
+        ];
+  return {
+    path: path ?? '/meshes',
+    parent: path && path !== '/meshes' ? '/meshes' : null,
+    roots: [root, { name: 'Uploads', path: '/uploads' }],
+    entries,
+  };
 }
