@@ -108,7 +108,10 @@ impl Mirror<'_> {
     /// The outcome of pair `i`, whose partner is added to `result` if it is missing.
     fn outcome(&self, i: usize, result: &mut MarkerFile) -> Outcome {
         let (Some(at), Some(images)) = (&self.positions[i], &self.images[i]) else {
-            return Outcome::Left(format!("it has no {} yet", if self.markers.pairs[i].source.is_none() { MeshRole::Source } else { MeshRole::Target }));
+            return Outcome::Left(format!(
+                "it has no {} yet",
+                if self.markers.pairs[i].source.is_none() { MeshRole::Source } else { MeshRole::Target }
+            ));
         };
         let on_plane = [0, 1].map(|k| self.planes[k].distance(&at[k]) <= MAX_MIRROR_DISTANCE * self.diagonals[k]);
         if on_plane == [true; 2] {

@@ -28,7 +28,8 @@ pub fn choose(prepared: &PreparedSource, start: &MarkerFile, watch: &dyn ChoiceW
         .par_iter()
         .map(|pose| read(pose).map_err(|error| crate::run::pose_error(&pose.name, None, None, error)))
         .collect::<std::result::Result<_, _>>()?;
-    let start: Vec<SurfacePoint> = start.pairs.iter().filter_map(|pair| Some(on_surface(&source.surface, pair.source?))).collect();
+    let start: Vec<SurfacePoint> =
+        start.pairs.iter().filter_map(|pair| Some(on_surface(&source.surface, pair.source?))).collect();
     let input = KeyPointsInput { source: &source.surface, poses: &poses, start: &start };
     let doing = |error: mimesh_core::Error| {
         error.into_diagnostic().doing(format!("key_points ({})", key_points.typetag_name()))

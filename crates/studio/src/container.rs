@@ -44,9 +44,8 @@ pub fn write(header: Value, arrays: &[(&str, Numbers<'_>)]) -> Vec<u8> {
         Value::Object(fields) => fields,
         _ => Map::new(),
     };
-    let list = arrays.iter().map(|(name, numbers)| {
-        json!({ "name": name, "type": numbers.kind(), "length": numbers.len() })
-    });
+    let list =
+        arrays.iter().map(|(name, numbers)| json!({ "name": name, "type": numbers.kind(), "length": numbers.len() }));
     fields.insert("arrays".into(), Value::Array(list.collect()));
     let mut text = Value::Object(fields).to_string();
     text.push_str(&" ".repeat(text.len().next_multiple_of(4) - text.len()));

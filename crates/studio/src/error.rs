@@ -207,7 +207,8 @@ fn path_of(location: &Location, document: &Document) -> Option<Vec<PathStep>> {
         for entry in &node.parts {
             path.push(PathStep::from(&entry.step));
             let deeper = search(&entry.node, location, path);
-            let own = || (entry.key.location() == *location || entry.node.span.location() == *location).then(|| path.clone());
+            let own =
+                || (entry.key.location() == *location || entry.node.span.location() == *location).then(|| path.clone());
             let found = deeper.or_else(own);
             if found.is_some() {
                 return found;

@@ -84,7 +84,11 @@ impl Folders {
     pub fn find(&self, path: &Path) -> Result<PathBuf> {
         let missing = || ApiError::not_found(format!("there is no `{}` in the folders that are open", path.display()));
         let found = fs::canonicalize(path).map_err(|_| missing())?;
-        if self.holds(&found) { Ok(found) } else { Err(missing().hint("start the program with `--root DIR` for other folders")) }
+        if self.holds(&found) {
+            Ok(found)
+        } else {
+            Err(missing().hint("start the program with `--root DIR` for other folders"))
+        }
     }
 
     /// The place `path` of a file that need not exist, in a folder without links.
@@ -119,7 +123,8 @@ impl Folders {
             (None, None) => return Err(ApiError::not_found("no folder is open")),
         };
         let entries = fs::read_dir(&path).map_err(|error| unreadable(&path, &error))?;
-        let mut entries: Vec<Entry> = entries.flatten().filter_map(|entry| self.entry(&entry.path(), formats)).collect();
+        let mut entries: Vec<Entry> =
+            entries.flatten().filter_map(|entry| self.entry(&entry.path(), formats)).collect();
         entries.sort_by(|a, b| (a.kind != EntryKind::Folder, &a.name).cmp(&(b.kind != EntryKind::Folder, &b.name)));
         entries.truncate(MAX_ENTRIES);
         let parent = path.parent().filter(|parent| self.holds(parent)).map(Path::to_path_buf);

@@ -205,7 +205,10 @@ impl Job {
             share: state.share,
             poses: state.poses,
             seconds: state.ended.unwrap_or_else(|| self.began.elapsed().as_secs_f64()),
-            seconds_left: state.left.seconds(state.stage_began.elapsed().as_secs_f64()).filter(|_| state.ended.is_none()),
+            seconds_left: state
+                .left
+                .seconds(state.stage_began.elapsed().as_secs_f64())
+                .filter(|_| state.ended.is_none()),
             error: state.error.clone(),
             warnings: state.warnings.clone(),
             result: state.result.clone(),

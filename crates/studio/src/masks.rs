@@ -93,7 +93,8 @@ impl Project {
         let file = self.mask_file(side, name)?;
         let missing = || ApiError::not_found(format!("there is no mask `{name}` of the {}", side.role()));
         let text = fs::read_to_string(&file).map_err(|_| missing())?;
-        let wrong = |what: String| ApiError::new(crate::error::Code::Unprocessable, format!("{}: {what}", file.display()));
+        let wrong =
+            |what: String| ApiError::new(crate::error::Code::Unprocessable, format!("{}: {what}", file.display()));
         let MaskFile { weights, components } = serde_json::from_str(&text).map_err(|error| wrong(error.to_string()))?;
         let count = self.meshes.sides[side.index()].sequence.rest.positions.len();
         let weights = match (weights, components) {
@@ -114,7 +115,8 @@ impl Project {
     /// If there is none.
     pub fn delete_mask(&self, side: Side, name: &str) -> Result<()> {
         let file = self.mask_file(side, name)?;
-        fs::remove_file(file).map_err(|_| ApiError::not_found(format!("there is no mask `{name}` of the {}", side.role())))
+        fs::remove_file(file)
+            .map_err(|_| ApiError::not_found(format!("there is no mask `{name}` of the {}", side.role())))
     }
 
     fn put_mask(&self, side: Side, name: &str, contents: Value) -> Result<Mask> {

@@ -159,7 +159,8 @@ fn components(surface: &Surface) -> Vec<ComponentFacts> {
         triangles[component as usize] += 1;
         part[component as usize] = part[component as usize].or(surface.part_of.get(t).copied());
     }
-    let name = |c: usize| part[c].and_then(|p| surface.part_names.get(p as usize)).cloned().unwrap_or_else(|| "part".into());
+    let name =
+        |c: usize| part[c].and_then(|p| surface.part_names.get(p as usize)).cloned().unwrap_or_else(|| "part".into());
     let mut count = std::collections::HashMap::new();
     (0..sizes.len()).for_each(|c| *count.entry(name(c)).or_insert(0) += 1);
     let mut used = std::collections::HashMap::new();

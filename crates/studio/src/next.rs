@@ -39,8 +39,7 @@ pub fn next(project: &Project, after: Option<u64>) -> Next {
     let (_, pairs) = project.markers.pairs();
     let used = |pair: &&Pair| pair.content.status != Status::Skipped;
     let pairs: Vec<&Pair> = pairs.iter().map(|pair| &**pair).filter(used).collect();
-    let incomplete: Vec<&Pair> =
-        pairs.iter().copied().filter(|pair| pair.content.points.contains(&None)).collect();
+    let incomplete: Vec<&Pair> = pairs.iter().copied().filter(|pair| pair.content.points.contains(&None)).collect();
     if let Some(pair) = following(&incomplete, after) {
         let side = if pair.content.points[0].is_none() { "source" } else { "target" };
         return of_pair(NextKind::Partner, pair, format!("its point on the {side} is still to be found"));
@@ -54,7 +53,11 @@ pub fn next(project: &Project, after: Option<u64>) -> Next {
     doubtful.sort_by(|a, b| confidence(a).total_cmp(&confidence(b)));
     if let Some(pair) = following(&doubtful, after) {
         let percent = (100.0 * confidence(pair)).round();
-        return of_pair(NextKind::Doubtful, pair, format!("the proposal is {percent} % sure: confirm it, or move its points"));
+        return of_pair(
+            NextKind::Doubtful,
+            pair,
+            format!("the proposal is {percent} % sure: confirm it, or move its points"),
+        );
     }
     suggested(project).unwrap_or(Next {
         kind: NextKind::None,
@@ -80,12 +83,8 @@ fn of_pair(kind: NextKind, pair: &Pair, reason: String) -> Next {
 fn suggested(project: &Project) -> Option<Next> {
     let Usable { markers, .. } = project.markers.usable();
     let [source, target] = [&project.meshes.sides[0], &project.meshes.sides[1]];
-    let pair = TransferPair {
-        source: &source.surface,
-        target: target.seen_surface(),
-        markers: &markers,
-        proximity: None,
-    };
+    let pair =
+        TransferPair { source: &source.surface, target: target.seen_surface(), markers: &markers, proximity: None };
     let others = plugin::instances::<dyn Landmarks>().into_iter().map(|(_, stage)| stage);
     let suggest = |stage: &dyn Landmarks| {
         if stage.command().is_some() { None } else { stage.suggest(pair).ok().flatten() }

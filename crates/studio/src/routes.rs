@@ -81,9 +81,9 @@ pub fn router(studio: Arc<Studio>, guardian: Arc<Guard>) -> Router {
 
 /// Does work that takes long where it does not keep others waiting.
 async fn blocking<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> Result<T> {
-    tokio::task::spawn_blocking(work).await.map_err(|error| {
-        ApiError::new(crate::error::Code::Internal, format!("the program made a mistake: {error}"))
-    })
+    tokio::task::spawn_blocking(work)
+        .await
+        .map_err(|error| ApiError::new(crate::error::Code::Internal, format!("the program made a mistake: {error}")))
 }
 
 /// An answer with a status of its own.
@@ -143,7 +143,8 @@ async fn upload(State(studio): App, Query(query): Query<UploadQuery>, request: R
         return Err(too_large(MAX_UPLOAD));
     }
     let place = studio.uploads.join(name);
-    let failed = |error: std::io::Error| ApiError::new(crate::error::Code::Internal, format!("cannot keep the upload: {error}"));
+    let failed =
+        |error: std::io::Error| ApiError::new(crate::error::Code::Internal, format!("cannot keep the upload: {error}"));
     let temporary = tempfile::Builder::new().prefix(".upload-").tempfile_in(&studio.uploads).map_err(failed)?;
     let (file, temporary) = temporary.into_parts();
     let mut out = tokio::fs::File::from_std(file);
@@ -198,7 +199,8 @@ async fn edit(State(studio): App, JsonBody(edit): JsonBody<Edit>) -> Result<Resp
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct BasedOn {
-    project: u64,
+    #[serde(default)]
+    project: Option<u64>,
     base: u64,
 }
 
@@ -219,8 +221,8 @@ async fn redo(State(studio): App, JsonBody(on): JsonBody<BasedOn>) -> Result<Res
 }
 
 /// Edits of a page that shows something else are not done.
-fn same_project(project: &Project, shown: u64) -> Result<()> {
-    if project.number == shown {
+fn same_project(project: &Project, shown: Option<u64>) -> Result<()> {
+    if shown.is_none_or(|shown| shown == project.number) {
         return Ok(());
     }
     let message = "another project is open than the one that the page shows";
@@ -230,13 +232,16 @@ fn same_project(project: &Project, shown: u64) -> Result<()> {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct ProposeBody {
+    /// Proposals are merged with what is there, whatever the page saw.
+    #[serde(default, rename = "base")]
+    _base: Option<u64>,
     #[serde(default)]
-    others: usize,
+    others: Option<usize>,
 }
 
 async fn propose(State(studio): App, JsonBody(body): JsonBody<ProposeBody>) -> Result<Response> {
     let project = studio.project()?;
-    Ok(json(&*studio.propose(project, body.others)?))
+    Ok(json(&*studio.propose(project, body.others.unwrap_or(0))?))
 }
 
 #[derive(Deserialize)]
@@ -351,7 +356,8 @@ async fn written(State(studio): App, Query(query): Query<WrittenQuery>) -> Resul
     };
     let is_shown = kind != "application/octet-stream";
     let name = query.path.file_name().unwrap_or_default().to_string_lossy();
-    let name: String = name.chars().map(|c| if c.is_ascii_graphic() && !"\"\\".contains(c) { c } else { '_' }).collect();
+    let name: String =
+        name.chars().map(|c| if c.is_ascii_graphic() && !"\"\\".contains(c) { c } else { '_' }).collect();
     let how = format!("{}; filename=\"{name}\"", if is_shown { "inline" } else { "attachment" });
     let headers = [
         (header::CONTENT_TYPE, kind.to_owned()),
@@ -367,11 +373,7 @@ async fn masks(State(studio): App) -> Result<Response> {
     Ok(Json(json!({ "masks": masks })).into_response())
 }
 
-async fn put_mask(
-    State(studio): App,
-    Path((side, name)): Path<(Side, String)>,
-    request: Request,
-) -> Result<Response> {
+async fn put_mask(State(studio): App, Path((side, name)): Path<(Side, String)>, request: Request) -> Result<Response> {
     let bytes = bounded(request, MAX_MASK).await?;
     let project = studio.project()?;
     let mask = blocking(move || {

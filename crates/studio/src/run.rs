@@ -64,7 +64,9 @@ impl Studio {
             reports.push(report);
         }
         warnings.dedup();
-        let one = reports.first().ok_or_else(|| ApiError::new(Code::Internal, "a pipeline without a run was taken for checked"))?;
+        let one = reports
+            .first()
+            .ok_or_else(|| ApiError::new(Code::Internal, "a pipeline without a run was taken for checked"))?;
         let written: Vec<PathBuf> = reports.iter().flat_map(files_of).collect();
         let verdict = reports.iter().filter_map(|report| report.verdict).max();
         let status = if reports.iter().any(|report| report.status != "done") {
@@ -103,7 +105,10 @@ fn written_view(path: &Path) -> Value {
 fn escaped(path: &Path) -> String {
     let is_plain = |byte: u8| byte.is_ascii_alphanumeric() || b"-._~/".contains(&byte);
     let bytes = path.to_string_lossy().into_owned().into_bytes();
-    bytes.iter().map(|&byte| if is_plain(byte) { char::from(byte).to_string() } else { format!("%{byte:02X}") }).collect()
+    bytes
+        .iter()
+        .map(|&byte| if is_plain(byte) { char::from(byte).to_string() } else { format!("%{byte:02X}") })
+        .collect()
 }
 
 /// All statistics above their limits, worst first.

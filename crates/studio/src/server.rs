@@ -67,7 +67,10 @@ impl Server {
     /// What is wrong with the files, and if the server cannot listen.
     pub fn new(options: StudioOptions) -> diagnostic::Result<Self> {
         let StudioOptions { start, folder, roots, host, port, allow_commands, cache } = options;
-        let scratch = tempfile::Builder::new().prefix("mimesh-studio-").tempdir().map_err(|error| fault("make a folder", &error))?;
+        let scratch = tempfile::Builder::new()
+            .prefix("mimesh-studio-")
+            .tempdir()
+            .map_err(|error| fault("make a folder", &error))?;
         let uploads = scratch.path().join("uploads");
         let own = scratch.path().join("own");
         for folder in [&uploads, &own] {
@@ -80,15 +83,19 @@ impl Server {
             Some(Start::Pipeline(file)) => vec![file.clone()],
             Some(Start::Pair(source, target)) => vec![source.clone(), target.clone()],
         };
-        let folders_of = started.iter().filter_map(|file| std::fs::canonicalize(file).ok()?.parent().map(PathBuf::from));
+        let folders_of =
+            started.iter().filter_map(|file| std::fs::canonicalize(file).ok()?.parent().map(PathBuf::from));
         let named = |path: PathBuf| {
-            let name = std::fs::canonicalize(&path).ok().and_then(|path| Some(path.file_name()?.to_string_lossy().into_owned()));
+            let name = std::fs::canonicalize(&path)
+                .ok()
+                .and_then(|path| Some(path.file_name()?.to_string_lossy().into_owned()));
             (name.unwrap_or_else(|| path.display().to_string()), path)
         };
         let all = std::iter::once(folder).chain(roots.iter().cloned()).chain(folders_of).map(named);
         let folders = Folders::new(all.chain([("Uploads".to_owned(), uploads.clone())]));
         let context = Context { roots, allow_commands, cache, scratch: own };
-        let studio = Arc::new(Studio::new(context, folders, uploads));
+        let studio = Studio::new(context, folders, uploads);
+        let studio = Arc::new(studio.map_err(|error| fault("start threads", &io::Error::other(error)))?);
         if let Some(start) = start {
             let opening = match start {
                 Start::Pipeline(pipeline) => Opening::Pipeline { pipeline: absolute(pipeline)? },
@@ -99,7 +106,8 @@ impl Server {
         let listener = listen(&host, port)?;
         let address = listener.local_addr().map_err(|error| fault("listen", &error))?;
         let guard = Guard::new(address.ip(), address.port(), &host);
-        let guard = guard.map_err(|error| Diagnostic::new(Kind::Internal, format!("the system gives no random numbers: {error}")))?;
+        let guard = guard
+            .map_err(|error| Diagnostic::new(Kind::Internal, format!("the system gives no random numbers: {error}")))?;
         Ok(Self { listener, address, guard: Arc::new(guard), studio, host, _scratch: scratch })
     }
 

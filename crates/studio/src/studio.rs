@@ -19,6 +19,7 @@ use crate::{
     events::{Cause, Event},
     folders::Folders,
     jobs::{Job, JobKind, JobView, Jobs, Outcome},
+    live::{preview::Preview, result::ResultEngine},
     markers::{Status, pair::Content, store::Usable},
     pipeline::Checked,
     project::{Context, Opening, Project, Ready, ScalarView, SessionView},
@@ -46,6 +47,12 @@ pub struct Studio {
     pub events: broadcast::Sender<Event>,
     /// Long work under way.
     pub jobs: Jobs,
+    /// The fast preview.
+    pub preview: Preview,
+    /// Threads of the fast preview, so that it does not wait for what takes long.
+    pub fast_pool: rayon::ThreadPool,
+    /// The pipeline's own result.
+    pub results: ResultEngine,
     project: RwLock<Option<Arc<Project>>>,
     check: Notify,
     /// Files that runs have written, which pages may open.
@@ -54,10 +61,29 @@ pub struct Studio {
 
 impl Studio {
     /// A server with nothing open.
-    pub fn new(context: Context, folders: Folders, uploads: PathBuf) -> Self {
+    ///
+    /// # Errors
+    ///
+    /// If the system gives no threads.
+    pub fn new(
+        context: Context,
+        folders: Folders,
+        uploads: PathBuf,
+    ) -> std::result::Result<Self, rayon::ThreadPoolBuildError> {
         let events = broadcast::Sender::new(MAX_EVENTS);
-        let jobs = Jobs::new(events.clone());
-        Self { context, folders, uploads, events, jobs, project: RwLock::default(), check: Notify::new(), written: RwLock::default() }
+        Ok(Self {
+            context,
+            folders,
+            uploads,
+            jobs: Jobs::new(events.clone()),
+            events,
+            preview: Preview::default(),
+            fast_pool: rayon::ThreadPoolBuilder::new().thread_name(|i| format!("preview {}", i + 1)).build()?,
+            results: ResultEngine::default(),
+            project: RwLock::default(),
+            check: Notify::new(),
+            written: RwLock::default(),
+        })
     }
 
     /// What is open.
@@ -204,7 +230,8 @@ impl Studio {
             ..Content::default()
         };
         let clicked: Vec<_> = clicks.iter().map(|click| (click.source, click.target)).collect();
-        let is_new = |pair: &&mimesh_core::stage::ProposedPair| !clicked.contains(&(pair.marker.source, pair.marker.target));
+        let is_new =
+            |pair: &&mimesh_core::stage::ProposedPair| !clicked.contains(&(pair.marker.source, pair.marker.target));
         let contents: Vec<Content> = pairs.iter().filter(is_new).map(content).collect();
         job.cancel.check();
         if project.markers.propose(contents).is_changed {
@@ -261,7 +288,11 @@ impl Studio {
         let kept = document.as_ref().ok().map(|(document, _)| document.clone());
         let prepared = document.and_then(|(document, _)| {
             let cache = self.context.cache.as_ref();
-            if exists { prepare_all(project.pipeline.file(), &options, cache) } else { prepare_document(document, &options, cache) }
+            if exists {
+                prepare_all(project.pipeline.file(), &options, cache)
+            } else {
+                prepare_document(document, &options, cache)
+            }
         });
         let checked = Checked::of(&prepared, kept.as_ref());
         if !project.pipeline.checked(revision, checked) {

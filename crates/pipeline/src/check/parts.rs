@@ -137,7 +137,18 @@ pub fn prepare_posed_meshes(
         return Err(refused_without_reason().into());
     };
     let poses_are = input::poses_are(pipeline.source.poses_are, &poses);
-    Ok(PosedMeshes { source, target, poses, poses_are, fps, units, formats, markers, landmarks, warnings: found.warnings })
+    Ok(PosedMeshes {
+        source,
+        target,
+        poses,
+        poses_are,
+        fps,
+        units,
+        formats,
+        markers,
+        landmarks,
+        warnings: found.warnings,
+    })
 }
 
 fn refuse_several(file: &Path, targets: &[String]) -> Result<()> {

@@ -4,8 +4,12 @@ use std::{sync::Arc, time::Instant};
 
 use axum::extract::ws::{CloseFrame, Message as Frame, WebSocket};
 use serde::Serialize;
-use tokio::sync::broadcast::error::RecvError;
+use tokio::sync::{broadcast::error::RecvError, mpsc, watch};
 
+use super::{
+    look::ToServer,
+    worker::{Page, ToPage, Wish},
+};
 use crate::{
     error::ApiError,
     events::{Cause, Event, Message},
@@ -22,19 +26,37 @@ const BURST: f64 = 200.0;
 /// The code of a socket that is closed because of what the page did.
 const POLICY: u16 = 1008;
 
+/// How many frames and messages wait for a page that is slow.
+const WAITING: usize = 4;
+
 /// Serves the socket of a page until it is closed.
 pub async fn serve(mut socket: WebSocket, studio: Arc<Studio>) {
     let mut events = studio.events.subscribe();
     if send(&mut socket, &hello(&studio)).await.is_none() {
         return;
     }
+    let (wishes, receiver) = watch::channel(Wish::default());
+    let (out, mut outgoing) = mpsc::channel(WAITING);
+    Page::attend(studio.clone(), &receiver, out);
     let mut rate = Rate::new();
     loop {
         let sent = tokio::select! {
             event = events.recv() => match event {
-                Ok(event) => send(&mut socket, &event).await,
-                Err(RecvError::Lagged(_)) => tell_all(&mut socket, &studio).await,
+                Ok(event) => {
+                    if changes_frames(&event) {
+                        wishes.send_modify(|wish| wish.changes += 1);
+                    }
+                    send(&mut socket, &event).await
+                }
+                Err(RecvError::Lagged(_)) => {
+                    wishes.send_modify(|wish| wish.changes += 1);
+                    tell_all(&mut socket, &studio).await
+                }
                 Err(RecvError::Closed) => return,
+            },
+            Some(message) = outgoing.recv() => match message {
+                ToPage::Frame(bytes) => socket.send(Frame::Binary(bytes.into())).await.ok(),
+                ToPage::Message(message) => send(&mut socket, &message).await,
             },
             message = socket.recv() => match message {
                 Some(Ok(Frame::Close(_)) | Err(_)) | None => return,
@@ -43,10 +65,10 @@ pub async fn serve(mut socket: WebSocket, studio: Arc<Studio>) {
                     let _ = socket.send(Frame::Close(Some(frame))).await;
                     return;
                 }
-                Some(Ok(Frame::Text(text))) => {
-                    let error = ApiError::bad(format!("no message is known that begins `{}`", text.chars().take(40).collect::<String>()));
-                    send(&mut socket, &Message::Error { error }).await
-                }
+                Some(Ok(Frame::Text(text))) => match wish(&text, &wishes) {
+                    Ok(()) => Some(()),
+                    Err(error) => send(&mut socket, &Message::Error { error }).await,
+                },
                 Some(Ok(Frame::Binary(_))) => {
                     let error = ApiError::bad("expected a text, found a binary message");
                     send(&mut socket, &Message::Error { error }).await
@@ -57,6 +79,25 @@ pub async fn serve(mut socket: WebSocket, studio: Arc<Studio>) {
         if sent.is_none() {
             return;
         }
+    }
+}
+
+/// Takes a message of the page for its new wish.
+fn wish(text: &str, wishes: &watch::Sender<Wish>) -> Result<(), ApiError> {
+    let message: ToServer =
+        serde_json::from_str(text).map_err(|error| ApiError::bad(format!("the message: {error}")))?;
+    wishes.send_modify(|wish| match message {
+        ToServer::Look(look) => wish.look = Some(look),
+        ToServer::Drag(drag) => wish.drag = Some(drag).filter(|drag| drag.point.is_some()),
+    });
+    Ok(())
+}
+
+/// Whether other frames come of what has happened.
+fn changes_frames(event: &Event) -> bool {
+    match event {
+        Event::Session { .. } | Event::Markers { .. } => true,
+        Event::Pipeline { .. } | Event::Job { .. } => false,
     }
 }
 

@@ -8,8 +8,9 @@ use super::pair::{Point, Side, Status};
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Edit {
-    /// The project that the page shows.
-    pub project: u64,
+    /// The project that the page shows; left out, that of the server.
+    #[serde(default)]
+    pub project: Option<u64>,
     /// The revision that the page saw when the user did it.
     pub base: u64,
     /// Any text that no other edit has; an edit that is sent twice is done once.

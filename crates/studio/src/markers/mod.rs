@@ -10,6 +10,8 @@ pub mod history;
 pub mod outside;
 pub mod pair;
 pub mod store;
+#[cfg(test)]
+mod tests;
 
 pub use document::MarkerDocument;
 pub use edit::{Edit, EditResult, Op};

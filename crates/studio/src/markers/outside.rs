@@ -16,10 +16,14 @@ impl MarkerDocument {
         let before = self.pairs.clone();
         let change = Change { revision: self.revision + 1, client: "".into() };
         let matched = matches(&contents, &before);
-        self.pairs = contents.into_iter().zip(matched).map(|(content, pair)| match pair {
-            Some(pair) => changed(pair, content, &change),
-            None => self.new_pair(content, Origin::File, &change),
-        }).collect();
+        self.pairs = contents
+            .into_iter()
+            .zip(matched)
+            .map(|(content, pair)| match pair {
+                Some(pair) => changed(pair, content, &change),
+                None => self.new_pair(content, Origin::File, &change),
+            })
+            .collect();
         self.commit(before, title.into())
     }
 
@@ -35,7 +39,9 @@ impl MarkerDocument {
                 content.name = None;
             }
             // The same proposal as before is the same pair.
-            let known = before.iter().find(|pair| pair.content.points == content.points && pair.content.status == Status::Proposed);
+            let known = before
+                .iter()
+                .find(|pair| pair.content.points == content.points && pair.content.status == Status::Proposed);
             let known = known.filter(|pair| self.position(pair.id).is_none()).cloned();
             let pair = match known {
                 Some(pair) => changed(pair, content, &change),

@@ -161,7 +161,9 @@ impl Point {
         let Self::Triangle(TrianglePoint { triangle, barycentric }) = self else { return Ok(self) };
         let sum: f64 = barycentric.iter().sum();
         if !barycentric.iter().all(|b| *b >= -TOLERANCE) || !((sum - 1.0).abs() <= TOLERANCE) {
-            return Err(format!("the barycentric coordinates {barycentric:?} lie outside the triangle, or do not sum to 1"));
+            return Err(format!(
+                "the barycentric coordinates {barycentric:?} lie outside the triangle, or do not sum to 1"
+            ));
         }
         let clamped = barycentric.map(|b| b.max(0.0));
         let sum: f64 = clamped.iter().sum();

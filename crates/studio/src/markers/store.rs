@@ -215,8 +215,7 @@ impl MarkerStore {
     pub fn usable(&self) -> Usable {
         let state = self.lock();
         let meshes = self.meshes.for_markers();
-        let mut usable =
-            Usable { revision: state.document.revision(), markers: vec![], ids: vec![], contents: vec![] };
+        let mut usable = Usable { revision: state.document.revision(), markers: vec![], ids: vec![], contents: vec![] };
         for i in state.document.usable(meshes) {
             let pair = &state.document.pairs()[i];
             let [Some(source), Some(target)] = pair.content.points else { continue };
@@ -263,7 +262,8 @@ impl MarkerStore {
             Err(failure) => {
                 let first = failure.list.first().map(ToString::to_string).unwrap_or_default();
                 let first = first.lines().next().unwrap_or_default().to_owned();
-                (state.disk, state.disk_error, state.unreadable) = (DiskState::ChangedElsewhere, Some(first), Some(bytes));
+                (state.disk, state.disk_error, state.unreadable) =
+                    (DiskState::ChangedElsewhere, Some(first), Some(bytes));
             }
         }
     }
@@ -273,7 +273,8 @@ impl MarkerStore {
         let [source, target] = self.meshes.references();
         let pairs = file::of_pairs(state.document.pairs().iter().map(|pair| &**pair), meshes);
         let text = yaml::write(&MarkerFile { source: Some(source.clone()), target: Some(target.clone()), ..pairs });
-        let saved = set_aside(&self.file, state.unreadable.as_deref()).and_then(|()| durable::write(&self.file, text.as_bytes()));
+        let saved = set_aside(&self.file, state.unreadable.as_deref())
+            .and_then(|()| durable::write(&self.file, text.as_bytes()));
         match saved {
             Ok(()) => {
                 state.known = Some(blake3::hash(text.as_bytes()));
@@ -312,7 +313,8 @@ impl MarkerStore {
             let i = state.document.position(id)?;
             Some(view_of_pair(&state.document.pairs()[i], i))
         };
-        let conflict = |Conflict { op, pair, reason }| ConflictView { op, pair, reason, current: pair.and_then(current) };
+        let conflict =
+            |Conflict { op, pair, reason }| ConflictView { op, pair, reason, current: pair.and_then(current) };
         EditView {
             markers: self.view_of(state),
             added,
@@ -351,6 +353,7 @@ fn parse(path: &Path, bytes: &[u8]) -> std::result::Result<Vec<Content>, Diagnos
 fn set_aside(file: &Path, contents: Option<&[u8]>) -> std::result::Result<(), mimesh_document::Diagnostic> {
     let Some(contents) = contents else { return Ok(()) };
     let stem = mimesh_document::paths::stem(file);
-    let free = (1..1000).map(|i| file.with_file_name(format!("{stem}.unreadable-{i}.yaml"))).find(|path| !path.exists());
+    let free =
+        (1..1000).map(|i| file.with_file_name(format!("{stem}.unreadable-{i}.yaml"))).find(|path| !path.exists());
     free.map_or(Ok(()), |path| durable::write(&path, contents))
 }

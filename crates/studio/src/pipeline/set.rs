@@ -3,7 +3,11 @@
 //! The smallest stretch of the text is changed with which the text comes to mean what it should: the value itself, a new line for its
 //! key, or else the value around it. Each attempt is read back and compared, so that no attempt can change another value.
 
-use mimesh_document::{Step, braces::{guarded, restored}, yaml::yaml_value};
+use mimesh_document::{
+    Step,
+    braces::{guarded, restored},
+    yaml::yaml_value,
+};
 use saphyr::{LoadableYamlNode, MarkedYaml, Scalar, YamlData};
 use serde_json::{Map, Value};
 
@@ -172,10 +176,7 @@ impl Source {
 }
 
 /// The value at `path` with its key, if it has one.
-fn find<'t, 'i>(
-    root: &'t MarkedYaml<'i>,
-    path: &[Step],
-) -> Option<(Option<&'t MarkedYaml<'i>>, &'t MarkedYaml<'i>)> {
+fn find<'t, 'i>(root: &'t MarkedYaml<'i>, path: &[Step]) -> Option<(Option<&'t MarkedYaml<'i>>, &'t MarkedYaml<'i>)> {
     let mut found = (None, root);
     for step in path {
         found = match (step, &found.1.data) {
@@ -226,7 +227,8 @@ fn scalar(text: &str) -> String {
         && text.chars().all(|c| c.is_ascii_alphanumeric() || "_./-".contains(c));
     let is_word = ["true", "false", "null", "yes", "no", "on", "off", "y", "n", ".inf", ".nan"]
         .contains(&text.to_ascii_lowercase().as_str());
-    let is_number = text.parse::<f64>().is_ok() || text.starts_with('.') && text[1..].starts_with(|c: char| c.is_ascii_digit());
+    let is_number =
+        text.parse::<f64>().is_ok() || text.starts_with('.') && text[1..].starts_with(|c: char| c.is_ascii_digit());
     if is_plain && !is_word && !is_number { text.into() } else { Value::from(text).to_string() }
 }
 
@@ -281,7 +283,8 @@ mod tests {
         leaf.prop_recursive(3, 16, 4, |inner| {
             prop_oneof![
                 prop::collection::vec(inner.clone(), 0..4).prop_map(Value::from),
-                prop::collection::btree_map("[a-z]{1,5}", inner, 0..4).prop_map(|map| Value::Object(map.into_iter().collect())),
+                prop::collection::btree_map("[a-z]{1,5}", inner, 0..4)
+                    .prop_map(|map| Value::Object(map.into_iter().collect())),
             ]
         })
     }

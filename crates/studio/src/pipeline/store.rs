@@ -124,7 +124,11 @@ impl PipelineStore {
             let state = self.lock();
             (state.revision, state.text.clone(), state.exists)
         };
-        let document = if exists { include::read(&self.file) } else { Document::parse(&self.file, &text).map(|document| (document, vec![])) };
+        let document = if exists {
+            include::read(&self.file)
+        } else {
+            Document::parse(&self.file, &text).map(|document| (document, vec![]))
+        };
         (revision, document)
     }
 

@@ -125,7 +125,11 @@ impl ScalarView {
         };
         let context =
             MetricContext { rest: &target.sequence.rest, surface: &target.surface, pair: Some(pair), map: None };
-        prepared.metrics.iter().filter_map(|metric| Self::of(metric.as_ref(), context, !prepared.truth.is_none())).collect()
+        prepared
+            .metrics
+            .iter()
+            .filter_map(|metric| Self::of(metric.as_ref(), context, !prepared.truth.is_none()))
+            .collect()
     }
 
     fn of(metric: &dyn Metric, context: MetricContext<'_>, has_truth: bool) -> Option<Self> {

@@ -26,7 +26,10 @@ pub(super) fn initial_markers(
     }
     let markers = match named {
         // What is wrong with them is among the diagnostics of the pipeline.
-        Some(files) => PointSource::read(files, formats).and_then(|read| read.attach(meshes.for_markers(), false)).map(|on| on.markers).ok(),
+        Some(files) => PointSource::read(files, formats)
+            .and_then(|read| read.attach(meshes.for_markers(), false))
+            .map(|on| on.markers)
+            .ok(),
         None => Some(from_landmarks(&meshes.sides[0].sequence, &meshes.sides[1].sequence)),
     };
     let pairs = markers.map(|markers| markers.pairs).unwrap_or_default();

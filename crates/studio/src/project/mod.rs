@@ -3,26 +3,19 @@
 mod facts;
 mod initial;
 mod open;
+mod poses;
 
 pub use facts::{ScalarView, SessionView};
 pub use open::{Context, Opening};
 
-use std::sync::{Arc, RwLock, PoisonError};
+use std::sync::{Arc, PoisonError, RwLock};
 
-use mimesh_core::{
-    mesh::PosesAre,
-    spatial::MeshUnits,
-    stage::Landmarks,
-};
+use mimesh_core::{mesh::PosesAre, spatial::MeshUnits, stage::Landmarks};
 use mimesh_document::path;
 use mimesh_pipeline::{Formats, Prepared, input::PoseInput};
 use serde_json::Value;
 
-use crate::{
-    markers::MarkerStore,
-    meshes::Meshes,
-    pipeline::PipelineStore,
-};
+use crate::{markers::MarkerStore, meshes::Meshes, pipeline::PipelineStore};
 
 /// What is open.
 #[derive(Debug)]
@@ -51,6 +44,7 @@ pub struct Project {
     pub pipeline: PipelineStore,
     /// The part of the pipeline's value by which the meshes were read.
     opened_by: Value,
+    recent: poses::RecentPoses,
     ready: RwLock<Option<Arc<Ready>>>,
 }
 

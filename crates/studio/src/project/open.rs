@@ -14,7 +14,7 @@ use mimesh_pipeline::{Options, cache::Cache, input::PosedMeshes, prepare_posed_m
 use serde::Deserialize;
 use serde_json::{Value, json};
 
-use super::{Project, initial::initial_markers};
+use super::{Project, initial::initial_markers, poses::RecentPoses};
 use crate::{markers::MarkerStore, meshes::Meshes, pipeline::PipelineStore};
 
 /// What to open.
@@ -76,7 +76,8 @@ impl Project {
         let (document, included) = pipeline.document().1?;
         let opened_by = meshes_of(&document.value);
         let read = prepare_posed_meshes(document, included, &context.options(), context.cache.as_ref())?;
-        let PosedMeshes { source, target, poses, poses_are, fps, units, formats, markers, landmarks, warnings: _ } = read;
+        let PosedMeshes { source, target, poses, poses_are, fps, units, formats, markers, landmarks, warnings: _ } =
+            read;
         let fps = fps.or_else(|| fps_of(&poses));
         let meshes = Arc::new(Meshes::new(Arc::new(source), Arc::new(target)));
         let own = paths::stem(pipeline.file());
@@ -96,6 +97,7 @@ impl Project {
             markers,
             pipeline,
             opened_by,
+            recent: RecentPoses::default(),
             ready: RwLock::new(None),
         })
     }
@@ -109,7 +111,8 @@ fn pair(source: &Path, target: &Path) -> (PathBuf, String) {
     let extension = target.extension().unwrap_or_default().to_string_lossy().to_lowercase();
     let extension = if ["glb", "gltf", "vrm"].contains(&&*extension) { extension } else { "glb".into() };
     let output = json!([format!("{stem}.{extension}"), format!("{stem}.html")]);
-    let text = format!("source: {{ rest: {} }}\ntarget: {{ rest: {} }}\noutput: {output}\n", name(source), name(target));
+    let text =
+        format!("source: {{ rest: {} }}\ntarget: {{ rest: {} }}\noutput: {output}\n", name(source), name(target));
     (folder.join(format!("{stem}.yaml")), text)
 }
 

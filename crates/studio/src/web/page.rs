@@ -38,7 +38,8 @@ pub async fn file(uri: Uri) -> Response {
             ([(header::CONTENT_TYPE, kind), (header::CACHE_CONTROL, cache.into())], file.data).into_response()
         }
         None if path.is_empty() => {
-            let text = format!("The page is not part of this program. Build it, then the program again:\n\n{BUILD_PAGE}\n");
+            let text =
+                format!("The page is not part of this program. Build it, then the program again:\n\n{BUILD_PAGE}\n");
             (StatusCode::NOT_FOUND, text).into_response()
         }
         None => ApiError::not_found(format!("there is no `{}`", uri.path())).into_response(),

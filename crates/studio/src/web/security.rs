@@ -20,8 +20,7 @@ pub const CONTENT_SECURITY_POLICY: &str = "default-src 'none'; script-src 'self'
     font-src 'self'; connect-src 'self'; worker-src 'self' blob:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
 /// What a file that was written may do when it is opened: it is looked at, and runs nothing.
-pub const CONTENT_OF_RESULTS: &str =
-    "default-src 'none'; style-src 'unsafe-inline'; img-src data: blob:; font-src data:; sandbox; frame-ancestors 'self'";
+pub const CONTENT_OF_RESULTS: &str = "default-src 'none'; style-src 'unsafe-inline'; img-src data: blob:; font-src data:; sandbox; frame-ancestors 'self'";
 
 /// The secrets of a server and the names that it answers to.
 #[derive(Debug)]
@@ -174,7 +173,9 @@ mod tests {
         for host in ["127.0.0.1:8000", "localhost:8000", "[::1]:8000"] {
             assert!(local.is_own_host(host), "{host}");
         }
-        for host in ["", "evil.example:8000", "127.0.0.1", "127.0.0.1:8001", "localhost.evil.example:8000", "10.0.0.1:8000"] {
+        for host in
+            ["", "evil.example:8000", "127.0.0.1", "127.0.0.1:8001", "localhost.evil.example:8000", "10.0.0.1:8000"]
+        {
             assert!(!local.is_own_host(host), "{host}");
         }
         let open = Guard::new(Ipv4Addr::UNSPECIFIED.into(), 80, "studio.lan").unwrap();
