@@ -108,7 +108,7 @@ export class Studio {
   async propose(others?: number): Promise<void> {
     try {
       await this.markers.settled();
-      this.setJob(await api.propose(this.markers.document.peek().revision, others));
+      this.setJob(await api.propose(others));
     } catch (error) {
       const { message, hint } = describeError(error);
       notify(message, hint, 'error');
@@ -141,8 +141,8 @@ export class Studio {
     this.selected.value = null;
     this.hidden.source.value = new Set();
     this.hidden.target.value = new Set();
-    this.markers.open(markers.file ?? session.name ?? '', markers);
-    this.pipeline.receive(pipeline);
+    this.markers.open(session.project, markers.file ?? session.name ?? '', markers);
+    this.pipeline.open(pipeline);
     this.jobs.value = jobs;
     this.meshes.value = { source, target };
     this.live.open(session.project);
@@ -154,10 +154,13 @@ export class Studio {
   private async connected(): Promise<void> {
     if (this.meshes.peek() === null) return;
     try {
-      await this.show(await api.session());
-      this.markers.receive(await api.markers());
-      this.pipeline.receive(await api.pipeline());
-      void this.markers.pump();
+      const before = this.session.peek();
+      const session = await api.session();
+      // A server that was started anew counts projects anew, so the numbers alone do not tell whether the meshes are the same.
+      if (before?.project !== session.project || !sameMeshes(before, session)) this.meshes.value = null;
+      await this.show(session);
+      this.markers.reopen(await api.markers());
+      this.pipeline.open(await api.pipeline());
       this.live.reconnect();
     } catch (error) {
       notify(describeError(error).message, null, 'error');
@@ -203,6 +206,11 @@ export class Studio {
     if (job.state === 'failed') notify(sentence(job.error?.message ?? 'it failed'), job.error?.hint, 'error');
     if (job.state === 'done') notify(job.kind === 'run' ? 'The run is done.' : 'New proposals are there.');
   }
+}
+
+function sameMeshes(a: Session, b: Session): boolean {
+  const facts = ({ source, target }: Session) => JSON.stringify([source, target]);
+  return facts(a) === facts(b);
 }
 
 async function loadMesh(side: Side): Promise<MeshData> {

@@ -31,6 +31,8 @@ export class Live {
   readonly latency = signal<number | null>(null);
   private readonly socket: Socket;
   private project = -1;
+  /** Of the frame of the target that is shown; null if any other one may take its place. */
+  private stamp: FrameHeader | null = null;
   private look = 0;
   private answered = 0;
   private lookSent = 0;
@@ -55,6 +57,7 @@ export class Live {
     this.pose.value = null;
     this.scalar.value = null;
     this.playing.value = false;
+    this.stamp = null;
     this.source.value = null;
     this.target.value = null;
     this.truth.value = null;
@@ -116,7 +119,8 @@ export class Live {
       if (header.look >= (this.source.peek()?.header.look ?? 0)) this.source.value = shown;
     } else if (header.channel === 'truth') {
       if (header.look >= (this.truth.peek()?.header.look ?? 0)) this.truth.value = shown;
-    } else if (replaces(this.target.peek()?.header ?? null, header)) {
+    } else if (replaces(this.stamp, header)) {
+      this.stamp = header;
       this.target.value = shown;
     }
     this.count(header);
@@ -131,6 +135,8 @@ export class Live {
   reconnect(): void {
     this.answered = this.look;
     this.dragAnswered = this.drag;
+    // A server that was started anew counts revisions anew.
+    this.stamp = null;
     this.ask();
   }
 

@@ -5,8 +5,8 @@ import type { LiveState, Worst } from '../protocol/types.ts';
 import { runReport } from '../stages/run.ts';
 import { select } from '../ui/controls.ts';
 import { fill, h } from '../ui/dom.ts';
-import { icon } from '../ui/icons.ts';
 import { effect } from '../ui/signal.ts';
+import { verdict } from '../ui/verdict.ts';
 import { formatNumber } from '../viewer/colours.ts';
 import type { Stage } from '../views/stage.ts';
 import { shapeSliders } from './sliders.ts';
@@ -82,6 +82,7 @@ function worstList(studio: Studio, stage: Stage): HTMLElement {
 
 function worstEntry(studio: Studio, stage: Stage, worst: Worst): HTMLElement {
   const place = [worst.about, worst.pose_name].filter(Boolean).join(' · ');
+  const value = worst.value === null ? 'not measured' : `${formatNumber(worst.value)} ${worst.unit}`;
   const limit = worst.limit === null ? '' : `, limit ${formatNumber(worst.limit)}`;
   return h(
     'button',
@@ -97,8 +98,8 @@ function worstEntry(studio: Studio, stage: Stage, worst: Worst): HTMLElement {
         if (worst.vertex !== null) stage.flyToPoints(null, { vertex: worst.vertex });
       },
     },
-    h('span', { class: `verdict ${worst.level}` }, icon(worst.level === 'good' ? 'check' : 'warning'), worst.level),
-    h('span', { class: 'figure' }, `${formatNumber(worst.value)} ${worst.unit}`),
+    verdict(worst.level),
+    h('span', { class: 'figure' }, value),
     h('span', { class: 'about' }, `${worst.title}${limit}`),
     h('span', { class: 'place' }, place || 'whole run'),
   );

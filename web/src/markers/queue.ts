@@ -1,7 +1,12 @@
 import type { Edit, EditResult, Markers, Op, Pair } from '../protocol/types.ts';
 import { applyOps, renumberOp } from './apply.ts';
 
-export interface PendingEdit extends Edit {
+/** How a pair was called when an edit of it was made, since a server that was started anew numbers pairs anew. */
+export type PairName = Pick<Pair, 'id' | 'name' | 'number'>;
+
+export interface PendingEdit extends Pick<Edit, 'base' | 'id' | 'ops'> {
+  /** What the pairs of the operations are called. */
+  names: PairName[];
   /** The id of the first pair that the edit adds, until the server gives one; further ones count down. */
   firstNewId: number;
 }
@@ -38,7 +43,11 @@ export class EditQueue {
 
   /** Puts an edit at the end; returns it with the ids of the pairs that it adds. */
   push(ops: Op[], id: string): { edit: PendingEdit; added: number[] } {
-    const edit: PendingEdit = { base: this.document.revision, id, ops, firstNewId: this.nextNewId };
+    const ids = new Set(ops.map((op) => ('pair' in op ? op.pair : null)));
+    const names = this.document.pairs
+      .filter((pair) => ids.has(pair.id))
+      .map(({ id, name, number }) => ({ id, name, number }));
+    const edit: PendingEdit = { base: this.document.revision, id, ops, names, firstNewId: this.nextNewId };
     const count = countAdds(ops);
     const added = Array.from({ length: count }, (_, i) => this.nextNewId - i);
     this.nextNewId -= count;
@@ -64,8 +73,6 @@ export class EditQueue {
       });
       for (const later of this.pending) {
         later.ops = later.ops.map((op) => renumberOp(op, ids));
-        // What the page itself did is no conflict with what it does next; what others did in between may be one.
-        if (later.base === edit.base && result.markers.revision === edit.base + 1) later.base = result.markers.revision;
       }
     }
     this.receive(result.markers);

@@ -2,6 +2,7 @@ import { api, ConnectionError, describeError, RequestError } from '../protocol/c
 import type { Conflict, EditResult, Markers, Op, Pair } from '../protocol/types.ts';
 import { signal } from '../ui/signal.ts';
 import { EditQueue, type PendingEdit } from './queue.ts';
+import { recoverEdits } from './recover.ts';
 
 export interface Notice {
   text: string;
@@ -38,20 +39,26 @@ export class MarkerStore {
   onRenumbered: (ids: ReadonlyMap<number, number>) => void = () => {};
   private queue = new EditQueue(EMPTY);
   private key = '';
+  private project = 0;
+  private readonly client = crypto.randomUUID();
   private sending: string | null = null;
   private heldBack: Markers | null = null;
   private timer = 0;
+  /** Counts documents, so that answers to an earlier one are known. */
+  private turn = 0;
   private idle: (() => void)[] = [];
 
   /** Takes the document of a project, with edits that an earlier page could not send. */
-  open(project: string, document: Markers): void {
-    this.key = `mimesh-edits:${project}`;
-    this.queue = new EditQueue(document, readPending(this.key));
-    this.sending = null;
-    this.heldBack = null;
+  open(project: number, file: string, document: Markers): void {
+    this.project = project;
+    this.key = `mimesh-edits:${file}`;
     this.conflicts.value = [];
-    this.publish();
-    void this.pump();
+    this.begin(document, readPending(this.key));
+  }
+
+  /** Takes the document of a server that may have been started anew since the last edit. */
+  reopen(document: Markers): void {
+    this.begin(document, this.queue.waiting);
   }
 
   /** A document that the server sent by itself. */
@@ -83,11 +90,11 @@ export class MarkerStore {
       this.publish();
       return;
     }
-    await this.step((base) => api.undo(base));
+    await this.step((base) => api.undo(this.project, base));
   }
 
   async redo(): Promise<void> {
-    await this.step((base) => api.redo(base));
+    await this.step((base) => api.redo(this.project, base));
   }
 
   /** Sends what waits; called when the connection is back, too. */
@@ -101,10 +108,14 @@ export class MarkerStore {
       const edit = this.queue.waiting[0];
       if (!edit) break;
       this.sending = edit.id;
+      const { turn, project, client } = this;
+      const { base, id, ops } = edit;
       try {
-        this.answered(edit, await api.edit({ base: edit.base, id: edit.id, ops: edit.ops }));
+        const result = await api.edit({ project, base, id, client, ops });
+        // Another document was opened meanwhile; it has brought the edit itself.
+        if (turn === this.turn) this.answered(edit, result);
       } catch (error) {
-        this.failed(edit, error);
+        if (turn === this.turn) this.failed(edit, error);
       }
     }
     if (this.queue.waiting.length === 0) for (const resolve of this.idle.splice(0)) resolve();
@@ -118,6 +129,17 @@ export class MarkerStore {
 
   dismissConflict(conflict: Conflict): void {
     this.conflicts.value = this.conflicts.peek().filter((other) => other !== conflict);
+  }
+
+  private begin(document: Markers, pending: readonly PendingEdit[]): void {
+    this.queue = new EditQueue(document, recoverEdits(pending, document));
+    this.turn += 1;
+    window.clearTimeout(this.timer);
+    this.timer = 0;
+    this.sending = null;
+    this.heldBack = null;
+    this.publish();
+    void this.pump();
   }
 
   private async step(ask: (base: number) => Promise<EditResult>): Promise<void> {

@@ -3,7 +3,7 @@
 export type Side = 'source' | 'target';
 export type Channel = 'source' | 'preview' | 'result' | 'truth';
 export type Step = string | number;
-export type Level = 'good' | 'doubtful' | 'bad';
+export type Level = 'good' | 'doubtful' | 'bad' | 'broken_gate';
 
 export interface ApiError {
   code: string;
@@ -129,8 +129,11 @@ export type Op =
   | { op: 'mirror'; axis: 'x' | 'y' | 'z'; source_offset?: number; target_offset?: number };
 
 export interface Edit {
+  project: number;
   base: number;
   id: string;
+  /** Of the page: its own changes do not conflict with each other. */
+  client: string;
   ops: Op[];
 }
 
@@ -197,7 +200,7 @@ export interface Worst {
   pose_name: string | null;
   metric: string;
   title: string;
-  value: number;
+  value: number | null;
   unit: string;
   limit: number | null;
   level: Level;
@@ -222,6 +225,8 @@ export interface Pipeline {
   text: string;
   value: unknown;
   diagnostics: Diagnostic[];
+  /** What is known of the text is still that of the text before. */
+  checking: boolean;
   choices: { slot: string; value: unknown; reason: string }[];
   outputs: string[];
   disk: DiskState;

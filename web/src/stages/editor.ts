@@ -65,9 +65,11 @@ export function yamlEditor(studio: Studio): HTMLElement {
         ? `${name} cannot be saved: ${pipeline.disk_error ?? ''}`
         : studio.pipeline.saving.value
           ? `Saving ${name} …`
-          : pipeline?.exists
-            ? `${name} · saved`
-            : `${name} · not written yet`;
+          : pipeline?.checking
+            ? `${name} · checking …`
+            : pipeline?.exists
+              ? `${name} · saved`
+              : `${name} · not written yet`;
   });
   return h(
     'section',

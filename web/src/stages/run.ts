@@ -5,6 +5,7 @@ import { button, progressBar } from '../ui/controls.ts';
 import { fill, h } from '../ui/dom.ts';
 import { icon } from '../ui/icons.ts';
 import { effect } from '../ui/signal.ts';
+import { verdict } from '../ui/verdict.ts';
 
 /** The job that is under way, if any. */
 export function runningJob(studio: Studio): Job | null {
@@ -81,14 +82,7 @@ function reportOf(job: Job): Node[] {
 
 function verdictOf(result: RunResult, seconds: number): Node[] {
   const level = result.verdict;
-  return [
-    h(
-      'p',
-      {},
-      level ? h('span', { class: `verdict ${level}` }, icon(level === 'good' ? 'check' : 'warning'), level) : null,
-      ` ${OUTCOMES[result.status]} in ${seconds.toFixed(1)} s`,
-    ),
-  ];
+  return [h('p', {}, level ? verdict(level) : null, ` ${OUTCOMES[result.status]} in ${seconds.toFixed(1)} s`)];
 }
 
 const OUTCOMES: Record<RunResult['status'], string> = {

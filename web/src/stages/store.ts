@@ -11,10 +11,15 @@ export class PipelineStore {
   readonly conflict = signal<Pipeline | null>(null);
   private chain: Promise<void> = Promise.resolve();
 
+  /** The pipeline of another project, or of a server that was started anew: its revisions are not those from before. */
+  open(pipeline: Pipeline): void {
+    this.conflict.value = null;
+    this.pipeline.value = pipeline;
+  }
+
   receive(pipeline: Pipeline): void {
     const present = this.pipeline.peek();
-    // A revision counts from the opening of a project, so another file may well begin below.
-    if (present && present.file === pipeline.file && pipeline.revision < present.revision) return;
+    if (present && pipeline.revision < present.revision) return;
     this.pipeline.value = pipeline;
   }
 

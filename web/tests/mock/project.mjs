@@ -118,6 +118,7 @@ export class Project {
       text: this.text,
       value,
       diagnostics,
+      checking: false,
       choices: [{ slot: 'proximity', value: { type: 'spanning_tree' }, reason: 'the target has 3 parts' }],
       outputs: ['out/camel.glb', 'out/report.html'],
       disk: 'saved',

@@ -1,6 +1,7 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { EditQueue } from '../../src/markers/queue.ts';
+import { recoverEdits } from '../../src/markers/recover.ts';
 import type { EditResult, Markers, Pair } from '../../src/protocol/types.ts';
 
 function pair(id: number, more: Partial<Pair> = {}): Pair {
@@ -63,16 +64,31 @@ test('a new pair is edited before the server has given it an id', () => {
   assert.deepEqual(queue.pairs[0].target, { vertex: 4 });
 });
 
-test("a page's own edits follow each other, those of others are told", () => {
+test('an edit keeps the revision that its person saw', () => {
   const queue = new EditQueue(document(1, [pair(1)]));
   queue.push([{ op: 'rename', pair: 1, name: 'a' }], 'a');
   queue.push([{ op: 'rename', pair: 1, name: 'b' }], 'b');
-  queue.push([{ op: 'rename', pair: 1, name: 'c' }], 'c');
-  queue.acknowledge('a', answer(document(2, [pair(1, { name: 'a' })])));
-  assert.equal(queue.waiting[0].base, 2);
-  // Somebody else made revision 3, so the next edit keeps the revision that its person saw.
-  queue.acknowledge('b', answer(document(4, [pair(1, { name: 'b' })])));
-  assert.equal(queue.waiting[0].base, 2);
+  queue.acknowledge('a', answer(document(3, [pair(1, { name: 'a' })])));
+  assert.equal(queue.waiting[0].base, 1);
+});
+
+test('a server that was started anew gets the edits, for the pairs that were meant', () => {
+  const queue = new EditQueue(document(8, [pair(4, { name: 'nose' }), pair(5, { name: 'ear' })]));
+  queue.push([{ op: 'move', pair: 5, side: 'target', point: { vertex: 7 } }], 'a');
+  const added = { triangle: 3, barycentric: [0.2, 0.3, 0.5] as [number, number, number] };
+  queue.push([{ op: 'add', source: added }], 'b');
+  queue.push([{ op: 'add', source: { vertex: 1 } }], 'c');
+  // The server saved the edit b before it ended, and reads numbers from the file with fewer digits.
+  const saved = pair(3, { source: { triangle: 3, barycentric: [0.20001, 0.3, 0.49999] }, target: null });
+  const anew = document(1, [pair(1, { name: 'nose' }), pair(2, { name: 'ear' }), saved]);
+  const recovered = recoverEdits(queue.waiting, anew);
+  assert.deepEqual(
+    recovered.map(({ id, base, ops }) => [id, base, ops]),
+    [
+      ['a', 1, [{ op: 'move', pair: 2, side: 'target', point: { vertex: 7 } }]],
+      ['c', 1, [{ op: 'add', source: { vertex: 1 } }]],
+    ],
+  );
 });
 
 test('an edit that was not sent is taken back without the server', () => {
