@@ -111,14 +111,29 @@ async function dragAbout(page, count) {
       due = null;
     };
   });
+  const body = await page.evaluate(middleOfMesh);
   await page.mouse.move(x, y);
   await page.mouse.down();
   for (let i = 1; i <= count; i++) {
-    await page.mouse.move(x - 20 - 15 * Math.sin(i / 5), y + 8 + 8 * Math.cos(i / 5));
+    await page.mouse.move(body.x + 12 * Math.sin(i / 5), body.y + 8 * Math.cos(i / 5));
     await page.waitForTimeout(60);
   }
   await page.mouse.up();
   return page.evaluate(() => window.latencies);
+}
+
+/** A place of the target that has mesh all around it. */
+function middleOfMesh() {
+  const pane = window.mimesh.stage.panes.peek().at(-1);
+  const box = pane.surfaceElement.getBoundingClientRect();
+  const around = [-16, 0, 16];
+  for (let y = box.height / 2; y > 0; y -= 8) {
+    for (let x = box.width / 2; x < box.width; x += 8) {
+      if (around.every((dx) => around.every((dy) => pane.pick(x + dx, y + dy))))
+        return { x: box.left + x, y: box.top + y };
+    }
+  }
+  throw new Error('no place');
 }
 
 function summary(times) {

@@ -1,6 +1,7 @@
 import type { Studio } from '../app/studio.ts';
+import type { FrameScalar } from '../protocol/types.ts';
 import { fill, h } from '../ui/dom.ts';
-import { effect } from '../ui/signal.ts';
+import { computed, effect } from '../ui/signal.ts';
 import { cssColour, formatNumber, sampleColour, ticks } from '../viewer/colours.ts';
 import { mapOf } from '../views/stage.ts';
 
@@ -19,10 +20,15 @@ export function legend(studio: Studio): HTMLElement {
     h('div', { class: 'legend-scale' }, bar, limit),
     figures,
   );
-  effect(() => {
+  // Every frame brings its scale; the legend is drawn anew only for another one.
+  const scale = computed(() => {
     const scalar = studio.live.target.value?.scalar ?? null;
-    element.hidden = studio.live.scalar.value === null || scalar === null || scalar.name !== studio.live.scalar.value;
-    if (!scalar) return;
+    return scalar !== null && scalar.name === studio.live.scalar.value ? JSON.stringify(scalar) : null;
+  });
+  effect(() => {
+    element.hidden = scale.value === null;
+    if (scale.value === null) return;
+    const scalar = JSON.parse(scale.value) as FrameScalar;
     const map = mapOf(scalar.name);
     const colours = Array.from({ length: STOPS }, (_, i) => cssColour(sampleColour(map, i / (STOPS - 1))));
     title.textContent = scalar.unit ? `${scalar.title}, ${scalar.unit}` : scalar.title;

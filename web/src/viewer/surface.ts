@@ -56,6 +56,7 @@ export class Surface {
   /** The array that the positions were last taken from. */
   private shown: Float32Array | null = null;
   private anyTinted = false;
+  private coloured = false;
   private full: BufferAttribute;
   private coarse: BufferAttribute | null = null;
   private lineColour: Color | null = null;
@@ -107,17 +108,21 @@ export class Surface {
     this.group.updateMatrixWorld(true);
   }
 
-  setPositions(positions: Float32Array): void {
-    if (positions === this.shown) return;
+  /** Shows other positions; tells whether they are others. */
+  setPositions(positions: Float32Array): boolean {
+    if (positions === this.shown) return false;
     this.shown = positions;
     this.positions.set(positions.length === this.positions.length ? positions : this.rest);
     this.geometry.attributes.position.needsUpdate = true;
     this.updateNormals();
     this.version += 1;
+    return true;
   }
 
-  /** Sets values of vertices, NaN for unknown ones, and the colours that stand for them; null for the plain colour. */
-  setValues(values: Float32Array | null, map: ColourMapName = 'error', low = 0, high = 1): void {
+  /** Sets values of vertices, NaN for unknown ones, and the colours that stand for them; null for the plain colour. Tells whether the picture changes. */
+  setValues(values: Float32Array | null, map: ColourMapName = 'error', low = 0, high = 1): boolean {
+    if (!values && !this.coloured) return false;
+    this.coloured = values !== null;
     if (values) {
       const attribute = this.geometry.attributes.value as BufferAttribute;
       const array = attribute.array as Float32Array;
@@ -125,6 +130,7 @@ export class Surface {
       attribute.needsUpdate = true;
     }
     this.material.setColourMap(values ? map : null, low, high);
+    return true;
   }
 
   /** Tints components, e.g. the one below the pointer. */

@@ -14,6 +14,10 @@ export class View {
   labels: Label[] = [];
   /** Whether a place on the mesh is behind something, seen from the eye; labels there are drawn faintly. */
   occluded: ((label: Label) => boolean) | null = null;
+  /** Whether the picture no longer shows what is there. */
+  dirty = true;
+  /** Whether the picture was drawn in a hurry, and is to be drawn again at rest. */
+  hurried = false;
   /** Whether one sees through the meshes, so that nothing hides a label. */
   transparent = false;
   width = 1;

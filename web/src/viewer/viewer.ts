@@ -6,6 +6,9 @@ import { View } from './view.ts';
 // Colours are those of the screen throughout: legends and surfaces must show the same ones, and blending needs no light of physics.
 ColorManagement.enabled = false;
 
+/** So long after the last change of a motion the picture is drawn in full. */
+const SETTLE_MILLISECONDS = 120;
+
 /**
  * Draws several views with one renderer, each into the part of the canvas that its element covers. A picture is drawn only when
  * something has changed.
@@ -35,6 +38,8 @@ export class Viewer {
       alpha: false,
       antialias: !software,
       powerPreference: 'high-performance',
+      // Views that did not change keep their pixels and are not drawn again.
+      preserveDrawingBuffer: true,
     };
     // An opaque canvas need not be blended with the page, which the renderer does not offer by itself.
     const context = this.canvas.getContext('webgl2', attributes);
@@ -66,15 +71,16 @@ export class Viewer {
     this.invalidate();
   }
 
-  /** Asks for a picture. `moving` says that more will follow soon, so what is dear waits until it rests. */
-  invalidate(moving = false): void {
+  /**
+   * Asks for a picture of all views, or of some. `moving` says that more will follow soon, so what is dear waits until they rest.
+   */
+  invalidate(moving = false, views: readonly View[] = this.views): void {
+    if (views.length === 0) return;
+    for (const view of views) view.dirty = true;
     if (moving) {
       this.moving = true;
       window.clearTimeout(this.settleTimer);
-      this.settleTimer = window.setTimeout(() => {
-        this.moving = false;
-        this.invalidate();
-      }, 120);
+      this.settleTimer = window.setTimeout(() => this.settle(), SETTLE_MILLISECONDS);
     }
     if (!this.requested) this.requested = requestAnimationFrame((now) => this.draw(now));
   }
@@ -88,25 +94,33 @@ export class Viewer {
     this.canvas.remove();
   }
 
+  private settle(): void {
+    this.moving = false;
+    this.invalidate(
+      false,
+      this.views.filter((view) => view.hurried),
+    );
+  }
+
   private draw(now: number): void {
     this.requested = 0;
     const start = performance.now();
     const bounds = this.host.getBoundingClientRect();
-    this.renderer.setViewport(0, 0, bounds.width, bounds.height);
-    this.renderer.setScissor(0, 0, bounds.width, bounds.height);
-    this.renderer.setClearColor(this.gap, 1);
-    this.renderer.clear();
-    let flying = false;
+    if (this.views.every((view) => view.dirty)) this.clearGaps(bounds);
+    const flying: View[] = [];
     const measured = this.moving && this.pace.wants(this.views.reduce((sum, view) => sum + view.changes, 0));
     const coarse = this.moving && !measured && this.pace.slow;
     for (const view of this.views) {
+      if (!view.dirty) continue;
       const box = view.element.getBoundingClientRect();
       if (box.width < 2 || box.height < 2) continue;
       view.width = box.width;
       view.height = box.height;
       view.advance(now);
       view.setCoarse(coarse);
-      flying ||= view.flying;
+      if (view.flying) flying.push(view);
+      view.dirty = false;
+      view.hurried = this.moving;
       const left = box.left - bounds.left;
       const top = box.top - bounds.top;
       // WebGL counts rows from the bottom.
@@ -120,7 +134,14 @@ export class Viewer {
     }
     if (measured) this.pace.add(this.finish(start));
     this.onFrame?.(performance.now() - start);
-    if (flying) this.invalidate(true);
+    this.invalidate(true, flying);
+  }
+
+  private clearGaps(bounds: DOMRect): void {
+    this.renderer.setViewport(0, 0, bounds.width, bounds.height);
+    this.renderer.setScissor(0, 0, bounds.width, bounds.height);
+    this.renderer.setClearColor(this.gap, 1);
+    this.renderer.clear();
   }
 
   /** The milliseconds since `start` when the picture is done; reading a pixel waits for that. */
@@ -133,6 +154,12 @@ export class Viewer {
   private resize(): void {
     const width = Math.max(this.host.clientWidth, 1);
     const height = Math.max(this.host.clientHeight, 1);
+    for (const view of this.views) view.dirty = true;
+    const ratio = this.renderer.getPixelRatio();
+    if (this.canvas.width === Math.floor(width * ratio) && this.canvas.height === Math.floor(height * ratio)) {
+      this.invalidate();
+      return;
+    }
     this.renderer.setSize(width, height, false);
     // A resized canvas is empty until the next picture, which must not wait for the one after.
     this.draw(performance.now());

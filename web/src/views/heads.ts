@@ -5,7 +5,7 @@ import { pairTitle } from '../markers/order.ts';
 import type { Side } from '../protocol/types.ts';
 import { select } from '../ui/controls.ts';
 import { h } from '../ui/dom.ts';
-import { effect } from '../ui/signal.ts';
+import { computed, effect } from '../ui/signal.ts';
 import type { Up } from '../viewer/frame.ts';
 import type { Pane } from './pane.ts';
 
@@ -73,26 +73,36 @@ function upAxis(side: Side, studio: Studio): HTMLElement {
 /** Whether the target shows the quick preview or the pipeline's own result. */
 function badge(studio: Studio): HTMLElement {
   const element = h('span', { class: 'shown-badge', role: 'status' });
-  effect(() => {
-    const shown = studio.live.target.value;
+  // Frames come many times a second; the page changes only when the words do.
+  const text = computed(() => {
+    const channel = studio.live.target.value?.header.channel;
     const computing = studio.live.states.value.result?.state === 'computing';
     const content = display.target.value;
-    element.hidden = !shown || content === 'rest' || content === 'truth';
-    element.textContent =
-      shown?.header.channel === 'result' ? 'Result' : computing ? 'Preview, result follows' : 'Preview';
+    if (!channel || content === 'rest' || content === 'truth') return '';
+    return channel === 'result' ? 'Result' : computing ? 'Preview, result follows' : 'Preview';
+  });
+  effect(() => {
+    element.hidden = text.value === '';
+    element.textContent = text.value;
   });
   return element;
 }
 
 function hint(pane: Pane, studio: Studio): HTMLElement {
   const element = h('p', { class: 'pane-hint' });
+  const selected = () => studio.markers.pairs.value.find((pair) => pair.id === studio.selected.value);
+  const text = computed(() => {
+    const pair = selected();
+    if (studio.panel.value === 'paint') return '';
+    if (!pair) return 'Click to begin a pair';
+    if (pair[pane.side] === null) return `Click to set ${pairTitle(pair)}`;
+    return `Click or drag to move ${pairTitle(pair)} · Esc to let go`;
+  });
   effect(() => {
-    const pair = studio.markers.pairs.value.find((other) => other.id === studio.selected.value);
-    if (studio.panel.value === 'paint') element.textContent = '';
-    else if (!pair) element.textContent = 'Click to begin a pair';
-    else if (pair[pane.side] === null) element.textContent = `Click to set ${pairTitle(pair)}`;
-    else element.textContent = `Click or drag to move ${pairTitle(pair)} · Esc to let go`;
-    element.classList.toggle('wanted', pair !== undefined && pair[pane.side] === null);
+    element.textContent = text.value;
+  });
+  effect(() => {
+    element.classList.toggle('wanted', selected()?.[pane.side] === null);
   });
   return element;
 }

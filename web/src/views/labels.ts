@@ -32,3 +32,21 @@ export function labelsOf(pane: Pane, state: LabelState): Label[] {
   }
   return labels;
 }
+
+/** Whether two lists of labels look alike, so that no picture is needed. */
+export function sameLabels(a: readonly Label[], b: readonly Label[]): boolean {
+  return a.length === b.length && a.every((label, i) => same(label, b[i]));
+}
+
+function same(a: Label, b: Label): boolean {
+  return (
+    a.id === b.id &&
+    a.text === b.text &&
+    a.colour === b.colour &&
+    a.hollow === b.hollow &&
+    a.faint === b.faint &&
+    a.selected === b.selected &&
+    a.hovered === b.hovered &&
+    a.position.equals(b.position)
+  );
+}

@@ -63,20 +63,19 @@ export class Pane {
     this.viewer.invalidate();
   }
 
-  /** A second mesh of the same make, over the first. */
-  showGhost(data: MeshData | null): void {
-    if (!data) {
-      if (this.ghost) {
-        this.view.remove(this.ghost);
-        this.ghost.dispose();
-        this.ghost = null;
-      }
-    } else if (!this.ghost && this.surface) {
+  /** A second mesh of the same make, over the first; tells whether it has come or gone. */
+  showGhost(data: MeshData | null): boolean {
+    if (!data === !this.ghost || !this.surface) return false;
+    if (this.ghost) {
+      this.view.remove(this.ghost);
+      this.ghost.dispose();
+      this.ghost = null;
+    } else if (data) {
       this.ghost = new Surface(data, this.surface.frame.up);
       this.ghost.placeIn(this.surface.frame);
       this.view.add(this.ghost);
     }
-    this.viewer.invalidate();
+    return true;
   }
 
   clear(): void {

@@ -6,9 +6,10 @@ import { h } from '../ui/dom.ts';
 import { effect, signal } from '../ui/signal.ts';
 import { theme } from '../ui/theme.ts';
 import type { ColourMapName } from '../viewer/colours.ts';
+import type { MeshData } from '../viewer/surface.ts';
 import { Viewer } from '../viewer/viewer.ts';
 import { StageCamera } from './camera.ts';
-import { labelsOf } from './labels.ts';
+import { labelsOf, sameLabels } from './labels.ts';
 import { paletteOf } from './palette.ts';
 import { Pane, type Role } from './pane.ts';
 import { listenToPointer, type PaneTool } from './pointer.ts';
@@ -34,6 +35,7 @@ export class Stage {
   /** Count changes that later steps depend on: effects of one signal run in no fixed order. */
   private readonly surfaces = signal(0);
   private readonly moved = signal(0);
+  private readonly ghosts = signal(0);
   private readonly ending = new Map<Pane, () => void>();
 
   constructor(studio: Studio) {
@@ -123,19 +125,31 @@ export class Stage {
     const content = display.target.value;
     live.wantsTruth.value = content === 'truth' || content === 'over_truth';
     if (!data) return;
-    for (const pane of this.panes.peek()) {
-      if (!pane.surface) continue;
-      if (pane.role === 'source') pane.surface.setPositions(source ?? data.source.positions);
-      else if (pane.role === 'rest') pane.surface.setPositions(data.target.positions);
-      else {
-        const main = content === 'rest' ? null : content === 'truth' ? truth : result;
-        pane.surface.setPositions(main ?? data.target.positions);
-        pane.showGhost(content === 'over_truth' || content === 'over_rest' ? data.target : null);
-        pane.ghost?.setPositions(content === 'over_truth' ? (truth ?? data.target.positions) : data.target.positions);
-      }
-    }
+    const rest = data.target.positions;
+    const main = content === 'rest' ? null : content === 'truth' ? truth : result;
+    const over = content === 'over_truth' ? (truth ?? rest) : content === 'over_rest' ? rest : null;
+    const shown = { source: source ?? data.source.positions, rest, result: main ?? rest };
+    const changed = this.panes.peek().filter((pane) => {
+      const moved = pane.surface?.setPositions(shown[pane.role]) ?? false;
+      return (pane.role === 'result' && this.showGhost(pane, data.target, over)) || moved;
+    });
     this.moved.value = this.moved.peek() + 1;
-    this.viewer.invalidate(true);
+    this.invalidate(changed);
+  }
+
+  private showGhost(pane: Pane, data: MeshData, positions: Float32Array | null): boolean {
+    const came = pane.showGhost(positions ? data : null);
+    if (came) this.ghosts.value = this.ghosts.peek() + 1;
+    const moved = positions !== null && (pane.ghost?.setPositions(positions) ?? false);
+    return came || moved;
+  }
+
+  /** What moves is drawn only where it is seen. */
+  private invalidate(panes: readonly Pane[]): void {
+    this.viewer.invalidate(
+      true,
+      panes.map((pane) => pane.view),
+    );
   }
 
   private showValues(): void {
@@ -144,21 +158,20 @@ export class Stage {
     const painted = this.painted.value;
     const shown = display.target.value === 'truth' ? live.truth.value : live.target.value;
     const named = live.scalar.value;
-    for (const pane of this.panes.peek()) {
-      if (!pane.surface) continue;
-      if (painted) pane.surface.setValues(painted.side === pane.side ? painted.values : null, 'mask', 0, 1);
-      else if (pane.role === 'result' && named && shown?.values && shown.scalar?.name === named) {
-        pane.surface.setValues(shown.values, mapOf(named), shown.scalar.low, shown.scalar.high);
-      } else pane.surface.setValues(null);
-    }
-    this.viewer.invalidate(true);
+    const changed = this.panes.peek().filter(({ surface, side, role }) => {
+      if (painted) return surface?.setValues(painted.side === side ? painted.values : null, 'mask', 0, 1);
+      if (role === 'result' && named && shown?.values && shown.scalar?.name === named) {
+        return surface?.setValues(shown.values, mapOf(named), shown.scalar.low, shown.scalar.high);
+      }
+      return surface?.setValues(null);
+    });
+    this.invalidate(changed);
   }
 
   private showLook(): void {
     const palette = paletteOf(theme.value);
     const [wireframe, xray] = [display.wireframe.value, display.xray.value];
-    // A ghost comes and goes with the positions.
-    void [this.surfaces.value, this.moved.value];
+    void [this.surfaces.value, this.ghosts.value];
     this.viewer.gap.copy(palette.gap);
     for (const pane of this.panes.peek()) {
       pane.view.background.copy(palette.background);
@@ -199,8 +212,13 @@ export class Stage {
     };
     // Points follow the surfaces that they lie on.
     void this.moved.value;
-    for (const pane of this.panes.peek()) pane.view.labels = labelsOf(pane, state);
-    this.viewer.invalidate();
+    const changed = this.panes.peek().filter((pane) => {
+      const labels = labelsOf(pane, state);
+      const same = sameLabels(pane.view.labels, labels);
+      pane.view.labels = labels;
+      return !same;
+    });
+    this.invalidate(changed);
   }
 }
 
