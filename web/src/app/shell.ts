@@ -5,6 +5,8 @@ import { pairDetail } from '../markers/detail.ts';
 import { pairList } from '../markers/list.ts';
 import { Painter } from '../paint/painter.ts';
 import { paintPanel } from '../paint/panel.ts';
+import { type Failure, sentence } from '../protocol/client.ts';
+import type { Diagnostic } from '../protocol/types.ts';
 import { stagesPanel } from '../stages/panel.ts';
 import { startPage } from '../start/start.ts';
 import { button } from '../ui/controls.ts';
@@ -55,7 +57,7 @@ export function mount(root: HTMLElement, studio: Studio): Stage {
         cover,
         h('div', { class: 'message', role: 'status' }, h('div', { class: 'spinner' }), h('p', {}, phase.text)),
       );
-    else if (phase.name === 'failed') fill(cover, failure(studio, phase.message, phase.hint));
+    else if (phase.name === 'failed') fill(cover, failure(studio, phase));
   });
   root.append(
     topBar(studio, () => openHelp(commands)),
@@ -81,7 +83,7 @@ function isTyping(target: EventTarget | null): boolean {
   return target instanceof HTMLTextAreaElement || target instanceof HTMLSelectElement;
 }
 
-function failure(studio: Studio, message: string, hint: string | null): HTMLElement {
+function failure(studio: Studio, { message, hint, diagnostics }: Failure): HTMLElement {
   return h(
     'div',
     { class: 'message failed', role: 'alert' },
@@ -89,12 +91,24 @@ function failure(studio: Studio, message: string, hint: string | null): HTMLElem
     h('h1', {}, 'This could not be opened'),
     h('p', {}, message),
     hint ? h('p', { class: 'hint' }, hint) : null,
+    diagnostics.length > 0 ? h('ul', { class: 'diagnostics' }, ...diagnostics.map(diagnosticItem)) : null,
     h(
       'div',
       { class: 'row' },
       button({ label: 'Choose other files', kind: 'primary', run: () => studio.chooseFiles() }),
       button({ label: 'Try again', run: () => void studio.load() }),
     ),
+  );
+}
+
+function diagnosticItem(fault: Diagnostic): HTMLElement {
+  const place = [fault.file, fault.line, fault.column].filter((part) => part !== null).join(':');
+  return h(
+    'li',
+    {},
+    place ? h('strong', {}, `${place} `) : null,
+    sentence(fault.message),
+    fault.hint ? ` ${sentence(fault.hint)}` : null,
   );
 }
 

@@ -1,6 +1,6 @@
 import { Live } from '../live/live.ts';
 import { MarkerStore } from '../markers/store.ts';
-import { api, describeError, sentence } from '../protocol/client.ts';
+import { api, describeError, type Failure, sentence } from '../protocol/client.ts';
 import { floats, words } from '../protocol/container.ts';
 import { Socket } from '../protocol/socket.ts';
 import type { FromServer, Job, OpenRequest, Point, Session, Side } from '../protocol/types.ts';
@@ -13,7 +13,7 @@ import type { MeshData } from '../viewer/surface.ts';
 export type Phase =
   | { name: 'loading'; text: string }
   | { name: 'start' }
-  | { name: 'failed'; message: string; hint: string | null }
+  | ({ name: 'failed' } & Failure)
   | { name: 'ready' };
 
 export type Panel = 'points' | 'result' | 'stages' | 'paint';

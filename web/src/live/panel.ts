@@ -83,7 +83,7 @@ function worstList(studio: Studio, stage: Stage): HTMLElement {
 function worstEntry(studio: Studio, stage: Stage, worst: Worst): HTMLElement {
   const place = [worst.about, worst.pose_name].filter(Boolean).join(' · ');
   const value = worst.value === null ? 'not measured' : `${formatNumber(worst.value)} ${worst.unit}`;
-  const limit = worst.limit === null ? '' : `, limit ${formatNumber(worst.limit)}`;
+  const limit = worst.limit === null ? '' : `, limit ${formatNumber(worst.limit)} ${worst.unit}`;
   return h(
     'button',
     {

@@ -99,14 +99,15 @@ function tools(actions: Actions): HTMLElement {
 }
 
 function emptyRow(studio: Studio): HTMLElement {
-  const none = studio.markers.pairs.value.length === 0;
-  return h(
-    'li',
-    { class: 'empty' },
-    none
-      ? 'Click a point on the source, then the same point on the target. “Propose” finds points by shape.'
-      : 'No pair matches the search.',
-  );
+  return h('li', { class: 'empty' }, emptyText(studio));
+}
+
+function emptyText(studio: Studio): string {
+  if (studio.markers.pairs.value.length > 0) return 'No pair matches the search.';
+  const proposing = studio.jobs.value.some((job) => job.kind === 'propose' && job.state === 'running');
+  return proposing
+    ? 'Points are being found by the shapes of both meshes …'
+    : 'Click a point on the source, then the same point on the target. “Propose” finds points by shape.';
 }
 
 class Row {

@@ -2,6 +2,7 @@ import { type Arrays, type Container, readContainer, writeContainer } from './co
 import type {
   About,
   ApiError,
+  Diagnostic,
   Edit,
   EditResult,
   Folder,
@@ -150,11 +151,20 @@ function uploadError(transfer: XMLHttpRequest): ApiError {
   );
 }
 
+export interface Failure {
+  message: string;
+  hint: string | null;
+  diagnostics: Diagnostic[];
+}
+
 /** What to tell a person about anything that was thrown. */
-export function describeError(error: unknown): { message: string; hint: string | null } {
-  if (error instanceof RequestError) return { message: sentence(error.error.message), hint: error.error.hint };
-  if (error instanceof Error) return { message: sentence(error.message), hint: null };
-  return { message: 'Something went wrong.', hint: null };
+export function describeError(error: unknown): Failure {
+  if (error instanceof RequestError) {
+    const { message, hint, diagnostics } = error.error;
+    return { message: sentence(message), hint: hint && sentence(hint), diagnostics };
+  }
+  const message = error instanceof Error ? sentence(error.message) : 'Something went wrong.';
+  return { message, hint: null, diagnostics: [] };
 }
 
 /** The server's messages have no capital and no full stop. */
