@@ -9,6 +9,7 @@ import {
   flowText,
   isObject,
   type Json,
+  type ListField,
   type ObjectField,
   type StageField,
   typeOf,
@@ -32,6 +33,7 @@ export interface FormHost {
 export function fieldElement(host: FormHost, field: Field, path: Step[]): HTMLElement {
   if (field.kind === 'stage') return stageElement(host, field, path);
   if (field.kind === 'object') return objectElement(host, field, path);
+  if (field.kind === 'list') return listElement(host, field, path);
   const id = uniqueId('setting');
   const value = valueAt(host.pipeline.value as Json, path);
   const faults = faultsAt(host.pipeline.diagnostics, path);
@@ -114,6 +116,52 @@ function objectElement(host: FormHost, field: ObjectField, path: Step[]): HTMLEl
   ];
   const state = value === undefined ? 'as usual' : summary(value);
   return folding(host, field.name, state, value !== undefined, path, body);
+}
+
+function listElement(host: FormHost, field: ListField, path: Step[]): HTMLElement {
+  const value = valueAt(host.pipeline.value as Json, path);
+  const items = Array.isArray(value) ? value : [];
+  const item = field.item();
+  const added: Json = item.kind === 'stage' ? { type: item.types[0]?.name ?? '' } : {};
+  const body = [
+    ...faultsAt(host.pipeline.diagnostics, path),
+    h('div', { class: 'help-text' }, ...prose(field.description)),
+    ...items.map((_, i) =>
+      h(
+        'div',
+        { class: 'list-item' },
+        fieldElement(host, { ...item, name: `${i + 1}` }, [...path, i]),
+        button({
+          label: `Remove ${field.name} ${i + 1}`,
+          icon: 'trash',
+          bare: true,
+          run: () => host.set(path, items.toSpliced(i, 1)),
+        }),
+      ),
+    ),
+    h(
+      'div',
+      { class: 'row' },
+      button({
+        label: 'Add',
+        icon: 'plus',
+        run: () => {
+          const before = Array.isArray(value) ? value : Array.isArray(field.default) ? field.default : [];
+          host.open.add([...path, before.length].join('.'));
+          host.set(path, [...before, added]);
+        },
+      }),
+      value === undefined ? null : button({ label: 'Leave out', icon: 'undo', run: () => host.unset(path) }),
+    ),
+  ];
+  return folding(
+    host,
+    field.name,
+    value === undefined ? 'as usual' : `${items.length}`,
+    value !== undefined,
+    path,
+    body,
+  );
 }
 
 /** A mapping in few words, e.g. `rest: horse.glb`. */

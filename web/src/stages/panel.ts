@@ -56,9 +56,25 @@ export function stagesPanel(studio: Studio): HTMLElement {
         h('p', { class: 'problem' }, 'The text is no YAML at present. The form comes back when it is.'),
       );
     }
-    keepFocus(form, () => fill(form, ...fields.map((field) => fieldElement(host, field, [field.name]))));
+    keepFocus(form, () => fill(form, ...topLevel(host, fields)));
   });
   return h('div', { class: 'stages' }, form, yamlEditor(studio));
+}
+
+/** Stages and mappings, then the plain settings. */
+function topLevel(host: FormHost, fields: Field[]): HTMLElement[] {
+  const folds = (field: Field) => ['stage', 'object', 'list'].includes(field.kind);
+  const elements = (list: Field[]) => list.map((field) => fieldElement(host, field, [field.name]));
+  const plain = elements(fields.filter((field) => !folds(field)));
+  return [
+    ...elements(fields.filter(folds)),
+    h(
+      'div',
+      { class: 'group top' },
+      h('h3', { class: 'plain-title' }, 'Files and the rest'),
+      h('div', { class: 'group-body' }, ...plain),
+    ),
+  ];
 }
 
 /** The type that holds where a stage is left out. */
@@ -66,7 +82,7 @@ function typeLeftOut(fields: Field[], value: Json, path: (string | number)[]): s
   let present: Field[] = fields;
   let field: Field | undefined;
   for (const [depth, step] of path.entries()) {
-    field = present.find((one) => one.name === step);
+    field = field?.kind === 'list' ? field.item() : present.find((one) => one.name === step);
     if (field?.kind === 'object') present = field.fields();
     else if (field?.kind === 'stage') {
       const type = typeOf(valueAt(value, path.slice(0, depth + 1))) ?? typeOf(field.default);

@@ -49,11 +49,17 @@ export interface ObjectField extends Common {
   fields: () => Field[];
 }
 
+/** A sequence of stages or mappings; sequences of simple values are edited as one text. */
+export interface ListField extends Common {
+  kind: 'list';
+  item: () => StageField | ObjectField;
+}
+
 export interface PlainField extends Common {
   kind: 'boolean' | 'text' | 'value';
 }
 
-export type Field = NumberField | EnumField | StageField | ObjectField | PlainField;
+export type Field = NumberField | EnumField | StageField | ObjectField | ListField | PlainField;
 
 /** The fields of an object schema. */
 export function fieldsOf(schema: Schema, root: Schema, defaults: Json | undefined = undefined): Field[] {
@@ -113,9 +119,18 @@ function readSingle(common: Common, schema: Schema, root: Schema): Field {
     case 'object':
       if (schema.properties === undefined) return { ...common, kind: 'value' };
       return { ...common, kind: 'object', fields: () => fieldsOf(schema, root, common.default) };
+    case 'array':
+      return readList(common, schema, root);
     default:
       return { ...common, kind: 'value' };
   }
+}
+
+function readList(common: Common, schema: Schema, root: Schema): Field {
+  if (schema.items === undefined) return { ...common, kind: 'value' };
+  const item = readField(common.name, schema.items as Schema, root, undefined);
+  if (item.kind !== 'stage' && item.kind !== 'object') return { ...common, kind: 'value' };
+  return { ...common, kind: 'list', item: () => item };
 }
 
 function readType(schema: Schema, root: Schema, defaults: Json | undefined): StageType {

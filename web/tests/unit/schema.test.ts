@@ -12,6 +12,11 @@ const root = {
     axis: { oneOf: [{ const: 'x', description: 'Across.' }, { enum: ['y', 'z'] }] },
     mixed: { oneOf: [{ type: 'string' }, { type: 'array', items: { type: 'string' } }] },
     robust: { anyOf: [{ type: 'boolean' }, variable] },
+    metrics: {
+      type: ['array', 'null'],
+      items: { anyOf: [{ 'x-stage': 'metric', $ref: '#/$defs/Transfer' }, variable] },
+    },
+    numbers: { type: 'array', items: { anyOf: [{ type: 'integer' }, variable] } },
     inner: { anyOf: [{ $ref: '#/$defs/Inner' }, { type: 'null' }], default: { gaps: 0.5 } },
     transfer: {
       anyOf: [
@@ -50,6 +55,8 @@ test('every kind of setting gets its field', () => {
     axis: 'enum',
     mixed: 'value',
     robust: 'boolean',
+    metrics: 'list',
+    numbers: 'value',
     inner: 'object',
     transfer: 'stage',
     markers: 'stage',
