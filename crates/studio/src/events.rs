@@ -2,9 +2,12 @@
 
 use std::sync::Arc;
 
-use serde::{Serialize, Serializer};
+use serde::Serialize;
 
-use crate::{error::ApiError, jobs::JobView, markers::MarkersView, pipeline::PipelineView, project::SessionView};
+use crate::{
+    error::ApiError, jobs::JobView, markers::MarkersView, pipeline::PipelineView, project::SessionView, shared,
+    worst::Worst,
+};
 
 /// A message of the server to every page.
 #[derive(Clone, Debug, Serialize)]
@@ -13,13 +16,13 @@ pub enum Event {
     /// Another project is open, or more is known of it.
     Session {
         /// The session.
-        #[serde(serialize_with = "shared")]
+        #[serde(serialize_with = "shared::serialize")]
         session: Arc<SessionView>,
     },
     /// The markers have changed.
     Markers {
         /// The document.
-        #[serde(serialize_with = "shared")]
+        #[serde(serialize_with = "shared::serialize")]
         markers: Arc<MarkersView>,
         /// What changed them.
         cause: Cause,
@@ -27,7 +30,7 @@ pub enum Event {
     /// The pipeline has changed, or more is known of it.
     Pipeline {
         /// The pipeline.
-        #[serde(serialize_with = "shared")]
+        #[serde(serialize_with = "shared::serialize")]
         pipeline: Arc<PipelineView>,
         /// What changed it.
         cause: Cause,
@@ -35,7 +38,7 @@ pub enum Event {
     /// A job goes on.
     Job {
         /// The job.
-        #[serde(serialize_with = "shared")]
+        #[serde(serialize_with = "shared::serialize")]
         job: Arc<JobView>,
     },
 }
@@ -88,6 +91,15 @@ pub enum Message {
         /// Why there is none.
         error: Option<ApiError>,
     },
+    /// What is worst in the pose that the page looks at.
+    Worst {
+        /// The channel.
+        channel: &'static str,
+        /// The revision of the markers.
+        revision: u64,
+        /// Statistics above their limits, worst first.
+        list: Vec<Worst>,
+    },
     /// A message of the page made no sense.
     Error {
         /// Why.
@@ -107,13 +119,4 @@ pub enum LiveState {
     Unavailable,
     /// It could not be computed.
     Failed,
-}
-
-/// Serialises what is shared as what it is.
-///
-/// # Errors
-///
-/// Those of the serialiser.
-pub fn shared<T: Serialize, S: Serializer>(value: &Arc<T>, serializer: S) -> Result<S::Ok, S::Error> {
-    (**value).serialize(serializer)
 }

@@ -2,6 +2,7 @@
 
 use std::{
     collections::VecDeque,
+    fmt,
     sync::{
         Arc, Mutex, MutexGuard, PoisonError,
         atomic::{AtomicU64, Ordering},
@@ -12,12 +13,10 @@ use std::{
 use mimesh_pipeline::{Progress, progress::TimeLeft};
 use serde::Serialize;
 use serde_json::Value;
-use tokio::sync::broadcast;
 
 use crate::{
     cancel::{Cancel, Stopped},
     error::{ApiError, Code},
-    events::Event,
 };
 
 /// How many jobs are remembered.
@@ -31,7 +30,17 @@ const STEP: Duration = Duration::from_millis(100);
 pub struct Jobs {
     list: Mutex<VecDeque<Arc<Job>>>,
     next: AtomicU64,
-    events: broadcast::Sender<Event>,
+    tell: Tell,
+}
+
+/// Who hears of jobs.
+#[derive(Clone)]
+struct Tell(Arc<dyn Fn(Arc<JobView>) + Send + Sync>);
+
+impl fmt::Debug for Tell {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("Tell(..)")
+    }
 }
 
 /// What a job does.
@@ -53,7 +62,7 @@ pub struct Job {
     /// Stops it.
     pub cancel: Cancel,
     state: Mutex<State>,
-    events: broadcast::Sender<Event>,
+    tell: Tell,
 }
 
 #[derive(Debug)]
@@ -112,9 +121,9 @@ pub struct Outcome {
 }
 
 impl Jobs {
-    /// No jobs yet; what becomes of them is told to `events`.
-    pub fn new(events: broadcast::Sender<Event>) -> Self {
-        Self { list: Mutex::default(), next: AtomicU64::new(1), events }
+    /// No jobs yet; what becomes of them is told to `tell`.
+    pub fn new(tell: impl Fn(Arc<JobView>) + Send + Sync + 'static) -> Self {
+        Self { list: Mutex::default(), next: AtomicU64::new(1), tell: Tell(Arc::new(tell)) }
     }
 
     /// Begins a job on a thread of its own.
@@ -155,7 +164,7 @@ impl Jobs {
             began: now,
             cancel: Cancel::default(),
             state: Mutex::new(state),
-            events: self.events.clone(),
+            tell: self.tell.clone(),
         });
         list.push_front(job.clone());
         list.truncate(REMEMBERED);
@@ -263,7 +272,7 @@ impl Job {
         }
         state.told = Some(Instant::now());
         drop(state);
-        let _ = self.events.send(Event::Job { job: self.view() });
+        (self.tell.0)(self.view());
     }
 
     fn lock(&self) -> MutexGuard<'_, State> {

@@ -22,9 +22,12 @@ pub mod pipeline;
 pub mod project;
 pub mod routes;
 pub mod run;
+pub mod scalars;
 pub mod server;
+pub mod shared;
 pub mod studio;
 pub mod web;
+pub mod worst;
 
 pub use server::{Server, Start, StudioOptions};
 pub use web::page::{BUILD_PAGE, is_built};

@@ -6,12 +6,7 @@ use std::{
 };
 
 use mimesh_document::diagnostic::Diagnostics;
-use mimesh_pipeline::{
-    Finished, Plan, Prepared, Report,
-    metrics::{Level, Reason},
-    prepare_all, run,
-};
-use serde::Serialize;
+use mimesh_pipeline::{Finished, Plan, Prepared, Report, metrics::Level, prepare_all, run};
 use serde_json::{Value, json};
 
 use crate::{
@@ -19,22 +14,8 @@ use crate::{
     jobs::{Job, JobKind, JobView, Outcome},
     project::Project,
     studio::Studio,
+    worst::Worst,
 };
-
-/// A statistic of a pose above its limit.
-#[derive(Clone, Debug, Serialize)]
-pub struct Worst {
-    pose: Option<usize>,
-    pose_name: Option<String>,
-    metric: String,
-    title: String,
-    value: Option<f64>,
-    unit: String,
-    limit: f64,
-    level: Level,
-    about: Option<String>,
-    vertex: Option<u32>,
-}
 
 impl Studio {
     /// Begins to run the pipeline of what is open, as it is saved.
@@ -117,27 +98,5 @@ fn worst(report: &Report, prepared: &Prepared) -> Vec<Worst> {
     let of_poses = report.poses.iter().enumerate().flat_map(|(i, pose)| {
         pose.verdict.iter().flat_map(move |verdict| verdict.reasons.iter().map(move |reason| (Some(i), reason)))
     });
-    let mut list: Vec<Worst> = of_rest.chain(of_poses).map(|(pose, reason)| entry(pose, reason, prepared)).collect();
-    let ratio = |worst: &Worst| worst.value.map_or(f64::INFINITY, |value| value.abs() / worst.limit.abs().max(1e-12));
-    list.sort_by(|a, b| (b.level, ratio(b)).partial_cmp(&(a.level, ratio(a))).unwrap_or(std::cmp::Ordering::Equal));
-    list.truncate(200);
-    list
-}
-
-fn entry(pose: Option<usize>, reason: &Reason, prepared: &Prepared) -> Worst {
-    let metric = prepared.metrics.iter().find(|metric| metric.typetag_name() == reason.metric);
-    let statistics = metric.map(|metric| metric.statistics()).unwrap_or_default();
-    let statistic = statistics.iter().find(|statistic| statistic.name == reason.statistic);
-    Worst {
-        pose,
-        pose_name: pose.and_then(|i| prepared.poses.get(i)).map(|pose| pose.name.clone()),
-        metric: reason.metric.clone(),
-        title: format!("{} {}", reason.metric, reason.statistic).replace('_', " "),
-        value: reason.value,
-        unit: statistic.map_or("", |statistic| statistic.unit).into(),
-        limit: reason.limit,
-        level: reason.level,
-        about: reason.about.clone().or_else(|| reason.note.clone()),
-        vertex: None,
-    }
+    Worst::sorted(of_rest.chain(of_poses).map(|(pose, reason)| Worst::new(pose, reason, prepared, None)).collect())
 }

@@ -19,10 +19,14 @@ use crate::{
     events::{Cause, Event},
     folders::Folders,
     jobs::{Job, JobKind, JobView, Jobs, Outcome},
-    live::{preview::Preview, result::ResultEngine},
+    live::{
+        preview::{self, Preview},
+        result::ResultEngine,
+    },
     markers::{Status, pair::Content, store::Usable},
     pipeline::Checked,
-    project::{Context, Opening, Project, Ready, ScalarView, SessionView},
+    project::{Context, Opening, Project, Ready, SessionView},
+    scalars::ScalarView,
 };
 
 /// The stage that finds markers where the pipeline names none.
@@ -71,11 +75,15 @@ impl Studio {
         uploads: PathBuf,
     ) -> std::result::Result<Self, rayon::ThreadPoolBuildError> {
         let events = broadcast::Sender::new(MAX_EVENTS);
+        let to_pages = events.clone();
         Ok(Self {
             context,
             folders,
             uploads,
-            jobs: Jobs::new(events.clone()),
+            jobs: Jobs::new(move |job| {
+                // Nobody may be listening.
+                let _ = to_pages.send(Event::Job { job });
+            }),
             events,
             preview: Preview::default(),
             fast_pool: rayon::ThreadPoolBuilder::new().thread_name(|i| format!("preview {}", i + 1)).build()?,
@@ -102,7 +110,8 @@ impl Studio {
 
     /// What is open, as pages see it.
     pub fn session(&self) -> Arc<SessionView> {
-        Arc::new(SessionView::of(self.current().as_deref(), self.context.allow_commands))
+        let project = self.current();
+        Arc::new(SessionView::of(project.as_deref(), self.context.allow_commands, preview::is_linked()))
     }
 
     /// All formats, for files that no pipeline names.

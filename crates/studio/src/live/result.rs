@@ -6,7 +6,7 @@ use mimesh_core::stage::{
     BindInput, BoundTransfer, MetricContext, MetricInput, Posed, TransferPair, TriangleMap, Work,
 };
 use mimesh_markers::IntoDiagnostic;
-use mimesh_pipeline::input::read_evenly_spaced;
+use mimesh_pipeline::{input::read_evenly_spaced, metrics::MetricSet};
 use nalgebra::Point3;
 
 use super::pair::LiveMarkers;
@@ -14,6 +14,7 @@ use crate::{
     cancel::Cancel,
     error::{ApiError, Code, Result},
     project::{Project, Ready},
+    worst::Worst,
 };
 
 /// The pipeline's own transfer, bound to the markers that were asked for last.
@@ -142,43 +143,82 @@ impl BoundResult {
     }
 }
 
-/// What the metric `name` of the pipeline shows of the target at `result`, if it can: `posed` is the source's file, `truth` the known
-/// result.
-pub fn field(
-    ready: &Ready,
-    live: &LiveMarkers,
-    map: Option<&TriangleMap>,
-    name: &str,
-    [posed, result]: [&[Point3<f64>]; 2],
-    truth: Option<&[Point3<f64>]>,
-) -> Option<Field> {
-    let prepared = &ready.prepared;
-    let metric = prepared.metrics.iter().find(|metric| metric.typetag_name() == name)?;
-    let target = &prepared.target;
-    let pair = TransferPair {
-        source: &prepared.source.surface,
-        target: &target.surface,
-        markers: &live.markers,
-        proximity: prepared.proximity.as_ref().map(|proximity| &proximity.graph),
-    };
-    let context = MetricContext { rest: &target.sequence.rest, surface: &target.surface, pair: Some(pair), map };
-    let on_surface = target.surface.from_mesh(result).ok()?;
-    let source = prepared.source.surface.from_mesh(posed).ok()?;
-    let truth_on_surface = truth.and_then(|truth| target.surface.from_mesh(truth).ok());
-    let ground_truth = truth.zip(truth_on_surface.as_deref()).map(|(mesh, surface)| Posed { mesh, surface });
-    let input = MetricInput {
-        ground_truth,
-        source: Some(&source),
-        ..MetricInput::alone(Posed { mesh: result, surface: &on_surface })
-    };
-    let measured = metric.bind(context).ok()?.measure(input).ok()?;
-    let values: Vec<f32> = measured.field.iter().map(|value| *value as f32).collect();
-    (values.len() == result.len()).then_some(Field { words: measured.field_unit, values, high: measured.field_high })
+/// The target in a pose, to be measured.
+#[derive(Clone, Copy, Debug)]
+pub struct Looked<'a> {
+    /// The pipeline.
+    pub ready: &'a Ready,
+    /// The markers.
+    pub live: &'a LiveMarkers,
+    /// The map, if there is one.
+    pub map: Option<&'a TriangleMap>,
+    /// The vertices of the source's file.
+    pub source: &'a [Point3<f64>],
+    /// The vertices of the target's file.
+    pub target: &'a [Point3<f64>],
+    /// The known result.
+    pub truth: Option<&'a [Point3<f64>]>,
+}
+
+impl<'a> Looked<'a> {
+    fn context(&self) -> MetricContext<'a> {
+        let prepared = &self.ready.prepared;
+        let pair = TransferPair {
+            source: &prepared.source.surface,
+            target: prepared.target.seen_surface(),
+            markers: &self.live.markers,
+            proximity: prepared.proximity.as_ref().map(|proximity| &proximity.graph),
+        };
+        let rest = &prepared.target.sequence.rest;
+        MetricContext { rest, surface: pair.target, pair: Some(pair), map: self.map }
+    }
+
+    /// Gives the target to `measure` as metrics see it.
+    fn measure<T>(&self, measure: impl FnOnce(MetricInput<'_>) -> Option<T>) -> Option<T> {
+        let target = &self.ready.prepared.target;
+        let seen = |file: &[Point3<f64>]| Some(target.mirrored_positions(target.surface.from_mesh(file).ok()?));
+        let on_surface = seen(self.target)?;
+        let source = self.ready.prepared.source.surface.from_mesh(self.source).ok()?;
+        let truth_on_surface = self.truth.and_then(seen);
+        let ground_truth = self.truth.zip(truth_on_surface.as_deref()).map(|(mesh, surface)| Posed { mesh, surface });
+        let alone = MetricInput::alone(Posed { mesh: self.target, surface: &on_surface });
+        measure(MetricInput { ground_truth, source: Some(&source), ..alone })
+    }
+
+    /// What the metric `name` of the pipeline shows of the target, if it can.
+    pub fn field(&self, name: &str) -> Option<Field> {
+        let metric = self.ready.prepared.metrics.iter().find(|metric| metric.typetag_name() == name)?;
+        let bound = metric.bind(self.context()).ok()?;
+        let measured = self.measure(|input| bound.measure(input).ok())?;
+        let values: Vec<f32> = measured.field.iter().map(|value| *value as f32).collect();
+        let is_whole = values.len() == self.target.len();
+        is_whole.then_some(Field { words: measured.field_unit, values, high: measured.field_high })
+    }
+
+    /// What is above its limit in this pose, number `pose`, worst first.
+    pub fn worst(&self, pose: Option<usize>) -> Vec<Worst> {
+        let prepared = &self.ready.prepared;
+        let Ok(set) = MetricSet::bind(&prepared.metrics, self.context()) else { return vec![] };
+        let set = set.with_gates(&prepared.gates);
+        let Some(measured) = self.measure(|input| Some(set.measure(input))) else { return vec![] };
+        let metrics = measured.metrics();
+        let of_rest =
+            set.rest_verdict(&metrics).into_iter().flat_map(|verdict| verdict.reasons).map(|reason| (None, reason));
+        let of_pose =
+            set.verdict(&metrics).into_iter().flat_map(|verdict| verdict.reasons).map(|reason| (pose, reason));
+        let list = of_rest.chain(of_pose).map(|(pose, reason)| Worst::new(pose, &reason, prepared, Some(&measured)));
+        Worst::sorted(list.collect())
+    }
 }
 
 impl BoundResult {
-    /// What a metric shows of the target at `result`; see [`field`].
-    pub fn field(&self, name: &str, both: [&[Point3<f64>]; 2], truth: Option<&[Point3<f64>]>) -> Option<Field> {
-        field(&self.ready, &self.live, self.map.as_ref(), name, both, truth)
+    /// The target's file at `target`, to be measured; `source` is the source's file, `truth` the known result.
+    pub fn looked<'a>(
+        &'a self,
+        source: &'a [Point3<f64>],
+        target: &'a [Point3<f64>],
+        truth: Option<&'a [Point3<f64>]>,
+    ) -> Looked<'a> {
+        Looked { ready: &self.ready, live: &self.live, map: self.map.as_ref(), source, target, truth }
     }
 }

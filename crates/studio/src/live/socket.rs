@@ -105,7 +105,7 @@ fn hello(studio: &Studio) -> Message {
     let project = studio.current();
     Message::Hello {
         project: project.as_ref().map(|project| project.number),
-        markers: project.as_ref().map_or(0, |project| project.markers.view().revision),
+        markers: project.as_ref().map_or(0, |project| project.markers.revision()),
         pipeline: project.as_ref().map_or(0, |project| project.pipeline.revision()),
     }
 }

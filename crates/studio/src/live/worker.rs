@@ -14,7 +14,7 @@ use super::{
     frame::Shown,
     look::{Channel, Drag, Look, PoseRef},
     pair::LiveMarkers,
-    result::field,
+    result::Looked,
 };
 use crate::{
     cancel::{Cancel, Stopped},
@@ -86,7 +86,7 @@ impl Page {
             Ok(source) => source,
             Err(error) => return self.tell_now(Message::Error { error }),
         };
-        let plain = LiveMarkers { revision: project.markers.view().revision, drag: None, markers: vec![] };
+        let plain = LiveMarkers { revision: project.markers.revision(), drag: None, markers: vec![] };
         if look.channels.contains(&Channel::Source) && is_new_look {
             let shown = Shown { project: &project, channel: Channel::Source, look, live: &plain, began };
             self.frame(shown.frame(&source, None));
@@ -108,9 +108,10 @@ impl Page {
             Ok(target) => {
                 let ready = project.ready();
                 let truth = truth_at(&project, &look.pose);
-                let colours = look.scalar.as_deref().zip(ready.as_ref());
-                let colours = colours
-                    .and_then(|(name, ready)| field(ready, &live, None, name, [&source, &target], truth.as_deref()));
+                let colours = look.scalar.as_deref().zip(ready.as_ref()).and_then(|(name, ready)| {
+                    let truth = truth.as_deref();
+                    Looked { ready, live: &live, map: None, source: &source, target: &target, truth }.field(name)
+                });
                 let shown = Shown { project: &project, channel: Channel::Preview, look, live: &live, began };
                 self.frame(shown.frame(&target, colours.as_ref()));
                 self.tell_now(state("preview", LiveState::Ready, live.revision, None));
@@ -166,10 +167,7 @@ impl Page {
         let began = Instant::now();
         let live = LiveMarkers::new(&project, None);
         match self.slow_frame(&project, look, &live, cancel, began) {
-            Ok(frame) => {
-                self.frame(frame);
-                self.tell_now(state("result", LiveState::Ready, live.revision, None));
-            }
+            Ok(()) => {}
             Err(error) => self.tell_now(state("result", failed(&error), live.revision, Some(error))),
         }
     }
@@ -181,7 +179,7 @@ impl Page {
         live: &LiveMarkers,
         cancel: &Cancel,
         began: Instant,
-    ) -> Result<Vec<u8>> {
+    ) -> Result<()> {
         let source = project.source_at(&look.pose)?;
         let told: Mutex<Option<(String, Instant)>> = Mutex::new(None);
         let report = |stage: &str, share: f64| {
@@ -204,9 +202,15 @@ impl Page {
         let target = bound.at(&source)?;
         cancel.check();
         let truth = truth_at(project, &look.pose);
-        let colours = look.scalar.as_deref().and_then(|name| bound.field(name, [&source, &target], truth.as_deref()));
+        let looked = bound.looked(&source, &target, truth.as_deref());
+        let colours = look.scalar.as_deref().and_then(|name| looked.field(name));
         let shown = Shown { project, channel: Channel::Result, look, live, began };
-        Ok(shown.frame(&target, colours.as_ref()))
+        self.frame(shown.frame(&target, colours.as_ref()));
+        self.tell_now(state("result", LiveState::Ready, live.revision, None));
+        cancel.check();
+        let list = looked.worst(look.pose.index());
+        self.tell_now(Message::Worst { channel: "result", revision: live.revision, list });
+        Ok(())
     }
 
     fn frame(&self, bytes: Vec<u8>) {

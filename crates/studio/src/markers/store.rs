@@ -93,7 +93,7 @@ struct Problem {
 #[derive(Clone, Debug, Serialize)]
 pub struct EditView {
     /// The document.
-    #[serde(serialize_with = "crate::events::shared")]
+    #[serde(serialize_with = "crate::shared::serialize")]
     pub markers: Arc<MarkersView>,
     added: Vec<Option<u64>>,
     /// The operations that were not done.
@@ -153,6 +153,11 @@ impl MarkerStore {
     /// The document as pages see it.
     pub fn view(&self) -> Arc<MarkersView> {
         self.view_of(&self.lock())
+    }
+
+    /// The revision.
+    pub fn revision(&self) -> u64 {
+        self.lock().document.revision()
     }
 
     /// Whether there are no pairs.
@@ -254,6 +259,11 @@ impl MarkerStore {
             return;
         }
         state.known = Some(hash);
+        if state.disk == DiskState::Failed {
+            // What could not be saved counts for more than what somebody else saved; nothing of either is lost.
+            state.unreadable = Some(bytes);
+            return;
+        }
         match parse(&self.file, &bytes) {
             Ok(contents) => {
                 state.document.take_in(contents, "changes in the file");

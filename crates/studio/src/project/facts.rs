@@ -1,15 +1,10 @@
 //! A project as pages see it.
 
-use mimesh_core::{
-    mesh::PosesAre,
-    spatial::LengthUnit,
-    stage::{Metric, MetricContext, MetricInput, TransferPair},
-};
-use mimesh_pipeline::Prepared;
+use mimesh_core::{mesh::PosesAre, spatial::LengthUnit};
 use serde::Serialize;
 
-use super::Project;
-use crate::meshes::MeshFacts;
+use super::state::Project;
+use crate::{meshes::MeshFacts, scalars::ScalarView};
 
 /// What is open, in words and numbers.
 #[derive(Clone, Debug, Serialize)]
@@ -40,19 +35,6 @@ struct PoseView {
     seconds: Option<f64>,
 }
 
-/// A colour map.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct ScalarView {
-    /// The type of the metric that gives it.
-    pub name: String,
-    /// What it shows, for people.
-    pub title: String,
-    /// The unit of its numbers.
-    pub unit: String,
-    /// Whether it needs the known result.
-    pub needs_truth: bool,
-}
-
 #[derive(Clone, Debug, Serialize)]
 struct LiveView {
     preview: bool,
@@ -60,9 +42,8 @@ struct LiveView {
 }
 
 impl SessionView {
-    /// What `project` is; without one, that nothing is open.
-    pub fn of(project: Option<&Project>, allow_commands: bool) -> Self {
-        let has_preview = crate::live::preview::is_linked();
+    /// What `project` is; without one, that nothing is open. `has_preview` says whether the stages of the fast preview are there.
+    pub fn of(project: Option<&Project>, allow_commands: bool, has_preview: bool) -> Self {
         let live = LiveView {
             preview: has_preview,
             reason: (!has_preview).then_some("the stages that give the fast preview are not part of this program"),
@@ -111,43 +92,4 @@ impl SessionView {
 /// A unit as pipelines spell it.
 fn unit_name(unit: LengthUnit) -> String {
     serde_json::to_value(unit).ok().and_then(|name| Some(name.as_str()?.to_owned())).unwrap_or_default()
-}
-
-impl ScalarView {
-    /// The colour maps that the metrics of `prepared` give: those with a number for each vertex of the target at rest.
-    pub fn all(prepared: &Prepared) -> Vec<Self> {
-        let target = &prepared.target;
-        let pair = TransferPair {
-            source: &prepared.source.surface,
-            target: &target.surface,
-            markers: prepared.markers(),
-            proximity: prepared.proximity.as_ref().map(|proximity| &proximity.graph),
-        };
-        let context =
-            MetricContext { rest: &target.sequence.rest, surface: &target.surface, pair: Some(pair), map: None };
-        prepared
-            .metrics
-            .iter()
-            .filter_map(|metric| Self::of(metric.as_ref(), context, !prepared.truth.is_none()))
-            .collect()
-    }
-
-    fn of(metric: &dyn Metric, context: MetricContext<'_>, has_truth: bool) -> Option<Self> {
-        let needs_truth = metric.needs_ground_truth();
-        if needs_truth && !has_truth || metric.is_of_rest() || metric.needs_map() {
-            return None;
-        }
-        let rest = context.at_rest();
-        let input = MetricInput {
-            ground_truth: needs_truth.then_some(rest),
-            source: context.pair.map(|pair| &pair.source.positions[..]),
-            ..MetricInput::alone(rest)
-        };
-        let measured = metric.bind(context).ok()?.measure(input).ok()?;
-        if measured.field.is_empty() {
-            return None;
-        }
-        let (title, unit) = measured.field_unit.rsplit_once(", ").unwrap_or((measured.field_unit, ""));
-        Some(Self { name: metric.typetag_name().into(), title: title.into(), unit: unit.into(), needs_truth })
-    }
 }

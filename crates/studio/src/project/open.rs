@@ -12,9 +12,13 @@ use std::{
 use mimesh_document::{diagnostic, paths};
 use mimesh_pipeline::{Options, cache::Cache, input::PosedMeshes, prepare_posed_meshes};
 use serde::Deserialize;
-use serde_json::{Value, json};
+use serde_json::json;
 
-use super::{Project, initial::initial_markers, poses::RecentPoses};
+use super::{
+    initial::initial_markers,
+    recent::RecentPoses,
+    state::{Project, meshes_of},
+};
 use crate::{markers::MarkerStore, meshes::Meshes, pipeline::PipelineStore};
 
 /// What to open.
@@ -124,12 +128,6 @@ fn relative(folder: &Path, path: &Path) -> PathBuf {
     }
     let up = folder.components().skip(shared).map(|_| "..");
     up.map(PathBuf::from).chain(path.components().skip(shared).map(|part| PathBuf::from(part.as_os_str()))).collect()
-}
-
-/// The parts of a pipeline by which meshes and poses are read.
-pub(super) fn meshes_of(value: &Value) -> Value {
-    let keys = ["include", "variables", "targets", "source", "target", "formats"];
-    keys.into_iter().filter_map(|key| Some((key.to_owned(), value.get(key)?.clone()))).collect()
 }
 
 /// The frames a second by the times of the frames.
