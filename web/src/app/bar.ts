@@ -58,20 +58,23 @@ export function topBar(studio: Studio, help: () => void): HTMLElement {
 function saveState(studio: Studio): HTMLElement {
   const element = h('span', { class: 'save-state', role: 'status', 'aria-live': 'polite' });
   effect(() => {
-    const waiting = studio.markers.waiting.value;
-    const { disk, disk_error } = studio.markers.document.value;
-    const connection = studio.socket.connection.value;
-    const [level, text] =
-      connection !== 'open'
-        ? ['bad', waiting > 0 ? `No connection · ${waiting} kept in this browser` : 'No connection · trying again']
-        : disk === 'failed'
-          ? ['bad', `Not saved: ${disk_error ?? 'the file cannot be written'}`]
-          : waiting > 0
-            ? ['busy', 'Saving …']
-            : ['good', 'Saved'];
+    const [level, text] = describe(studio);
     element.dataset.level = level;
     element.textContent = text;
     element.title = studio.markers.document.value.file ?? '';
   });
   return element;
+}
+
+function describe(studio: Studio): ['good' | 'busy' | 'bad', string] {
+  const waiting = studio.markers.waiting.value;
+  const { disk, disk_error } = studio.markers.document.value;
+  if (studio.socket.connection.value !== 'open') {
+    const kept = waiting > 0 ? ` · ${waiting} kept in this browser` : '';
+    if (studio.refused.value) return ['bad', `The program was started anew: open the address that it printed${kept}`];
+    return ['bad', `No connection${kept || ' · trying again'}`];
+  }
+  if (disk === 'failed') return ['bad', `Not saved: ${disk_error ?? 'the file cannot be written'}`];
+  if (disk === 'changed_elsewhere') return ['bad', 'The file was changed by another program'];
+  return waiting > 0 ? ['busy', 'Saving …'] : ['good', 'Saved'];
 }

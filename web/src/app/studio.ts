@@ -1,6 +1,6 @@
 import { Live } from '../live/live.ts';
 import { MarkerStore } from '../markers/store.ts';
-import { api, describeError, type Failure, sentence } from '../protocol/client.ts';
+import { api, describeError, type Failure, RequestError, sentence } from '../protocol/client.ts';
 import { floats, words } from '../protocol/container.ts';
 import { Socket } from '../protocol/socket.ts';
 import type { FromServer, Job, OpenRequest, Point, Session, Side } from '../protocol/types.ts';
@@ -39,6 +39,8 @@ export class Studio {
   readonly session = signal<Session | null>(null);
   readonly meshes = signal<Meshes | null>(null);
   readonly jobs = signal<Job[]>([]);
+  /** Whether the server is there but does not know this page. */
+  readonly refused = signal(false);
   readonly panel = signal<Panel>('points');
   readonly selected = signal<number | null>(null);
   readonly hovered = signal<number | null>(null);
@@ -50,6 +52,7 @@ export class Studio {
     this.socket.onMessage = (message) => this.receive(message);
     this.socket.onFrame = (frame) => this.live.receive(frame);
     this.socket.onOpen = () => void this.connected();
+    this.socket.onLost = () => void this.lookForServer();
     this.markers.onNotice = ({ text, hint }) => notify(text, hint);
     this.markers.onRenumbered = (ids) => {
       const id = this.selected.peek();
@@ -164,6 +167,16 @@ export class Studio {
       this.live.reconnect();
     } catch (error) {
       notify(describeError(error).message, null, 'error');
+    }
+  }
+
+  /** A server that was started anew has another token, which is no fault of the connection. */
+  private async lookForServer(): Promise<void> {
+    try {
+      await api.session();
+      this.refused.value = false;
+    } catch (error) {
+      this.refused.value = error instanceof RequestError && (error.status === 401 || error.status === 403);
     }
   }
 

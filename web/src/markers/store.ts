@@ -10,6 +10,8 @@ export interface Notice {
 }
 
 const RETRY_MILLISECONDS = 1500;
+/** The answers that say that the edit itself is wrong. Others, such as 401 of a server that was started anew, may pass. */
+const HOPELESS = [400, 404, 413, 415, 422];
 const EMPTY: Markers = {
   revision: 0,
   file: null,
@@ -167,7 +169,7 @@ export class MarkerStore {
 
   private failed(edit: PendingEdit, error: unknown): void {
     // The edit stays first in the queue. Its id lets the server recognise it if it was done before the answer was lost.
-    if (error instanceof ConnectionError || (error instanceof RequestError && error.status >= 500)) {
+    if (error instanceof ConnectionError || (error instanceof RequestError && !HOPELESS.includes(error.status))) {
       this.timer = window.setTimeout(() => void this.pump(), RETRY_MILLISECONDS);
       this.publish();
       return;

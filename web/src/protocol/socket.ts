@@ -12,6 +12,8 @@ export class Socket {
   readonly connection = signal<Connection>('connecting');
   onMessage: (message: FromServer) => void = () => {};
   onFrame: (frame: Container<FrameHeader>) => void = () => {};
+  /** Called when a connection was lost or refused. */
+  onLost: () => void = () => {};
   /** Called at each connection, so that what was missed is fetched. */
   onOpen: () => void = () => {};
   private socket: WebSocket | null = null;
@@ -48,6 +50,7 @@ export class Socket {
 
   private retry(): void {
     this.connection.value = 'lost';
+    this.onLost();
     this.timer = window.setTimeout(() => this.connect(), this.delay);
     this.delay = Math.min(this.delay * 1.6, LONGEST_DELAY);
   }

@@ -1,10 +1,13 @@
 const SAMPLES = 3;
+/** The first pictures of a scene take longer: shaders are compiled, buffers are filled. */
+const SKIPPED = 3;
 const SLOW_MILLISECONDS = 40;
 
 /** Finds out whether the machine turns the present meshes smoothly, from a few pictures that are timed to their end. */
 export class Pace {
   private samples: number[] = [];
   private scene = -1;
+  private skipped = 0;
 
   get slow(): boolean {
     return this.samples.length === SAMPLES && [...this.samples].sort((a, b) => a - b)[1] > SLOW_MILLISECONDS;
@@ -15,8 +18,10 @@ export class Pace {
     if (scene !== this.scene) {
       this.scene = scene;
       this.samples = [];
+      this.skipped = 0;
     }
-    return this.samples.length < SAMPLES;
+    this.skipped += 1;
+    return this.skipped > SKIPPED && this.samples.length < SAMPLES;
   }
 
   add(milliseconds: number): void {

@@ -112,6 +112,8 @@ export class Surface {
   setPositions(positions: Float32Array): boolean {
     if (positions === this.shown) return false;
     this.shown = positions;
+    // A result often is the preview once more. To compare costs far less than to draw.
+    if (sameNumbers(positions, this.positions)) return false;
     this.positions.set(positions.length === this.positions.length ? positions : this.rest);
     this.geometry.attributes.position.needsUpdate = true;
     this.updateNormals();
@@ -222,6 +224,12 @@ export class Surface {
     }
     return result.slice(0, count);
   }
+}
+
+function sameNumbers(a: Float32Array, b: Float32Array): boolean {
+  if (a.length !== b.length) return false;
+  for (let i = 0; i < a.length; i++) if (a[i] !== b[i]) return false;
+  return true;
 }
 
 const NO_COMPONENT = 0xffffffff;

@@ -48,7 +48,13 @@ export class Project {
     };
   }
 
+  /** Made once, since every frame asks for it. */
   session() {
+    this.made ??= this.makeSession();
+    return this.made;
+  }
+
+  makeSession() {
     const names = this.shapes
       ? ['jawOpen', 'smileLeft', 'smileRight', 'browUp', 'blink']
       : Array.from({ length: FRAMES }, (_, i) => `Walk ${i}`);
