@@ -86,7 +86,7 @@ impl Preview {
             let message = format!("the preview needs {MIN_MARKERS} complete pairs, there are {}", live.markers.len());
             return Err(ApiError::new(Code::NotFound, message).hint("click more points, or let them be proposed"));
         }
-        let settings = json!({ "type": TRANSFER, "weights": { "type": "biharmonic" }, "residual": false });
+        let settings = json!({ "type": TRANSFER, "weights": { "type": "biharmonic" } });
         let transfer = configured::<dyn Transfer>(settings)
             .ok_or_else(|| ApiError::new(Code::NotFound, "the stages of the preview are not part of this program"))?;
         let refused = |error: mimesh_core::Error| ApiError::from(error.into_diagnostic());

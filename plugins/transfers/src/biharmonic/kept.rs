@@ -1,8 +1,8 @@
 //! The transfer while markers come and go: factors and the motion of the source are kept, and one marker that moves costs a solve on its
 //! surface.
 //!
-//! Departures from binding anew: the regions of the source stay as long as the number of markers does, and there is no residual. Both
-//! show in details that a moving picture hides.
+//! It departs from binding anew in the regions of the source, which stay as long as the number of markers does. That shows in details
+//! that a moving picture hides.
 
 use std::sync::Arc;
 
@@ -16,7 +16,7 @@ use mimesh_core::{
     },
 };
 
-use super::{Biharmonic, Bound, Frame, Reconstruction, integral::Integral, places};
+use super::{Biharmonic, Bound, Frame, Reconstruction, integral::Integral, places, residual::Residual};
 use crate::poisson::Poisson;
 
 /// What does not depend on markers.
@@ -29,6 +29,7 @@ pub(super) struct Kept {
     poisson: Option<Arc<Poisson>>,
     frame: Frame,
     orientation: Orientation,
+    residual: bool,
     /// The regions of the last markers, with their number.
     regions: Option<(usize, Regions)>,
 }
@@ -56,6 +57,7 @@ impl Kept {
             poisson,
             frame: settings.frame,
             orientation: settings.orientation,
+            residual: settings.residual,
             regions: None,
         }))
     }
@@ -89,11 +91,12 @@ impl KeptTransfer for Kept {
         let rest = pair.target.positions.iter().map(|x| in_source.apply(x)).collect();
         let target = Surface { positions: rest, ..pair.target.clone() };
         let places = places(pair, &of_target, &target.positions, &in_source);
+        let residual = self.residual.then(|| Residual::new(pair.source, &target, &places)).transpose()?;
         let (places, integral) = match &self.poisson {
             None => (target.positions, None),
             Some(poisson) => (places.clone(), Some(Integral::kept(poisson.clone(), in_source, target, places))),
         };
         let figures = of_target.figures.clone();
-        Ok(Box::new(Bound { skin, weights: of_target, places, residual: None, integral, target_from_source, figures }))
+        Ok(Box::new(Bound { skin, weights: of_target, places, residual, integral, target_from_source, figures }))
     }
 }
