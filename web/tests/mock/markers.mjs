@@ -46,7 +46,7 @@ export class MarkerDocument {
     };
   }
 
-  edit({ base, id, ops }) {
+  edit({ base, id, client, ops }) {
     if (this.done.has(id)) return this.done.get(id);
     const before = structuredClone(this.pairs);
     const conflicts = [];
@@ -69,7 +69,7 @@ export class MarkerDocument {
         if (op.op !== 'delete') fail('the pair was deleted');
       } else if (op.op === 'delete') {
         this.pairs = this.pairs.filter((other) => other !== pair);
-      } else if ((pair.respects[respect] ?? 0) > base) {
+      } else if (pair.respects[respect]?.revision > base && pair.respects[respect].client !== client) {
         fail('it was changed in another place');
       } else if (
         op.op === 'rename' &&
@@ -84,7 +84,7 @@ export class MarkerDocument {
         } else if (op.op === 'rename') pair.name = op.name;
         else if (op.op === 'note') pair.note = op.note;
         else if (op.op === 'status') pair.status = op.status;
-        pair.respects[respect] = this.revision;
+        pair.respects[respect] = { revision: this.revision, client };
         pair.revision = this.revision;
       }
     });
