@@ -169,6 +169,7 @@ export function describeError(error: unknown): Failure {
 
 /** The server's messages have no capital and no full stop. */
 export function sentence(text: string): string {
-  const start = text.charAt(0).toUpperCase() + text.slice(1);
+  // Names of files and settings keep their case.
+  const start = /^[a-z]+[ ,:]/.test(text) ? text.charAt(0).toUpperCase() + text.slice(1) : text;
   return /[.!?…]$/.test(start) ? start : `${start}.`;
 }
