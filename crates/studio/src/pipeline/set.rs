@@ -243,8 +243,12 @@ mod tests {
     const TEXT: &str = "# top\nsource:\n  rest: a.obj   # the horse\n  poses: [a-{pose}.obj, b]\ntarget: { rest: b.obj }\n\n# how\n\
         transfer:\n  type: gradient\n  # inner\n  k: 2\noutput: out/{pose}.obj # end\n";
 
+    fn keys<'k>(keys: impl Iterator<Item = &'k str>) -> Vec<Step> {
+        keys.map(|key| Step::Key(key.into())).collect()
+    }
+
     fn done(at: &[&str], value: Option<Value>) -> String {
-        set(TEXT, &path(at.iter().copied()), value.as_ref()).unwrap()
+        set(TEXT, &keys(at.iter().copied()), value.as_ref()).unwrap()
     }
 
     #[test]
@@ -294,7 +298,7 @@ mod tests {
         fn what_is_set_is_read_back_and_all_else_stays(
             value in value(), at in prop::sample::select(vec!["source.rest", "source.poses", "target", "target.new", "transfer", "transfer.k", "output", "new.inner"]),
         ) {
-            let path = path(at.split('.'));
+            let path = keys(at.split('.'));
             let text = set(TEXT, &path, Some(&value)).unwrap();
             prop_assert_eq!(parse(&text).unwrap(), with(&parse(TEXT).unwrap(), &path, Some(&value)).unwrap());
             prop_assert!(text.starts_with("# top\n"));

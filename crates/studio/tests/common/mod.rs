@@ -16,8 +16,8 @@ use mimesh_studio::{Server, Start, StudioOptions};
 use serde_json::{Value, json};
 use {
     mimesh_clusterers as _, mimesh_correspondences as _, mimesh_deformers as _, mimesh_formats as _,
-    mimesh_generators as _, mimesh_landmarks as _, mimesh_metrics as _, mimesh_proximity as _, mimesh_samplers as _, mimesh_transfers as _,
-    mimesh_weights as _,
+    mimesh_generators as _, mimesh_landmarks as _, mimesh_metrics as _, mimesh_proximity as _, mimesh_samplers as _,
+    mimesh_transfers as _, mimesh_weights as _,
 };
 
 /// A page that knows a server.
