@@ -13,7 +13,7 @@ import { button } from '../ui/controls.ts';
 import { fill, h } from '../ui/dom.ts';
 import { type IconName, icon } from '../ui/icons.ts';
 import { noticeArea } from '../ui/notices.ts';
-import { effect } from '../ui/signal.ts';
+import { detached, effect } from '../ui/signal.ts';
 import { furnishPane } from '../views/heads.ts';
 import type { Pane } from '../views/pane.ts';
 import { Stage } from '../views/stage.ts';
@@ -37,7 +37,7 @@ export function mount(root: HTMLElement, studio: Studio): Stage {
     for (const pane of stage.panes.value) {
       if (furnished.has(pane)) continue;
       furnished.add(pane);
-      furnishPane(pane, studio);
+      detached(() => furnishPane(pane, studio));
     }
   });
   const work = h(

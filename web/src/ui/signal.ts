@@ -1,10 +1,14 @@
-/** Values that report their changes. An effect runs again when a signal that it read has changed. */
+/**
+ * Values that report their changes. An effect runs again when a signal that it read has changed. Effects that it made in a run end before
+ * the next one, so what an effect draws anew leaves nothing behind.
+ */
 
 type Run = () => void;
 
 interface Observer {
   run: Run;
   sources: Set<Set<Observer>>;
+  inner: Observer[];
 }
 
 const MOST_ROUNDS = 100;
@@ -56,7 +60,8 @@ export function signal<T>(value: T): Signal<T> {
 
 /** Runs `run` now and after every change of a signal that it read; returns what stops it. */
 export function effect(run: Run): () => void {
-  const observer: Observer = { run, sources: new Set() };
+  const observer: Observer = { run, sources: new Set(), inner: [] };
+  current?.inner.push(observer);
   execute(observer);
   return () => forget(observer);
 }
@@ -68,6 +73,17 @@ export function computed<T>(compute: () => T): { readonly value: T } {
     result.value = compute();
   });
   return result;
+}
+
+/** Makes something whose effects outlive the run of the effect that is under way. */
+export function detached<T>(make: () => T): T {
+  const outer = current;
+  current = null;
+  try {
+    return make();
+  } finally {
+    current = outer;
+  }
 }
 
 /** Runs all effects that are due now; they run in a microtask otherwise. */
@@ -103,4 +119,9 @@ function execute(observer: Observer): void {
 function forget(observer: Observer): void {
   for (const source of observer.sources) source.delete(observer);
   observer.sources.clear();
+  for (const inner of observer.inner.splice(0)) {
+    forget(inner);
+    // It may be due in this very round.
+    inner.run = () => {};
+  }
 }

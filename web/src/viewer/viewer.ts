@@ -1,7 +1,7 @@
 import { Color, ColorManagement, LinearSRGBColorSpace, WebGLRenderer } from 'three';
 import { LabelPainter } from './labels.ts';
 import { Pace } from './pace.ts';
-import { View } from './view.ts';
+import type { View } from './view.ts';
 
 // Colours are those of the screen throughout: legends and surfaces must show the same ones, and blending needs no light of physics.
 ColorManagement.enabled = false;
@@ -57,17 +57,16 @@ export class Viewer {
     this.canvas.addEventListener('webglcontextrestored', () => this.invalidate());
   }
 
-  addView(element: HTMLElement): View {
-    const view = new View(element);
+  addView(view: View): void {
     this.views.push(view);
-    this.observer.observe(element);
+    this.observer.observe(view.element);
     this.invalidate();
-    return view;
   }
 
   removeView(view: View): void {
     this.observer.unobserve(view.element);
-    this.views.splice(this.views.indexOf(view), 1);
+    const index = this.views.indexOf(view);
+    if (index >= 0) this.views.splice(index, 1);
     this.invalidate();
   }
 

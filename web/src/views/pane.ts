@@ -5,7 +5,7 @@ import type { Point, Side } from '../protocol/types.ts';
 import { h } from '../ui/dom.ts';
 import type { Label } from '../viewer/labels.ts';
 import { type MeshData, Surface } from '../viewer/surface.ts';
-import type { View } from '../viewer/view.ts';
+import { View } from '../viewer/view.ts';
 import type { Viewer } from '../viewer/viewer.ts';
 
 export type Role = 'source' | 'rest' | 'result';
@@ -47,7 +47,7 @@ export class Pane {
       this.head,
       this.foot,
     );
-    this.view = viewer.addView(surface);
+    this.view = new View(surface);
     this.view.occluded = (label) => this.isBehind(label);
   }
 
@@ -87,7 +87,13 @@ export class Pane {
     this.picker = null;
   }
 
-  dispose(): void {
+  attach(stage: HTMLElement): void {
+    stage.append(this.element);
+    if (!this.viewer.views.includes(this.view)) this.viewer.addView(this.view);
+  }
+
+  /** Takes the pane off the stage; it may come back. */
+  detach(): void {
     this.clear();
     this.viewer.removeView(this.view);
     this.element.remove();

@@ -24,11 +24,9 @@ const CLICK_PIXELS = 4;
 
 type Stroke = { kind: 'click' | 'turn' | 'pan' | 'tool'; x: number; y: number; label: number | null; pointer: number };
 
-/** Turns pointer events of a pane into strokes: click, turn, pan, or those of the tool. Returns what ends it. */
-export function listenToPointer(pane: Pane, tool: () => PaneTool, camera: PaneCamera): () => void {
+/** Turns pointer events of a pane into strokes: click, turn, pan, or those of the tool. */
+export function listenToPointer(pane: Pane, tool: () => PaneTool, camera: PaneCamera): void {
   const element = pane.surfaceElement;
-  const ending = new AbortController();
-  const options = { signal: ending.signal };
   let stroke: Stroke | null = null;
   let last = { x: 0, y: 0 };
 
@@ -86,20 +84,15 @@ export function listenToPointer(pane: Pane, tool: () => PaneTool, camera: PaneCa
     camera.zoom(pane, Math.exp(Math.min(Math.max(pixels, -240), 240) * 0.0016), x, y);
   }
 
-  element.addEventListener('pointerdown', down, options);
-  element.addEventListener('pointermove', move, options);
-  element.addEventListener('pointerup', up, options);
-  element.addEventListener('pointercancel', cancel, options);
-  element.addEventListener('keydown', (event) => event.key === 'Escape' && cancel(), options);
-  element.addEventListener('wheel', wheel, { ...options, passive: false });
-  element.addEventListener('contextmenu', (event) => event.preventDefault(), options);
-  element.addEventListener(
-    'pointerleave',
-    () => {
-      pane.pointer = null;
-      tool().leave(pane);
-    },
-    options,
-  );
-  return () => ending.abort();
+  element.addEventListener('pointerdown', down);
+  element.addEventListener('pointermove', move);
+  element.addEventListener('pointerup', up);
+  element.addEventListener('pointercancel', cancel);
+  element.addEventListener('keydown', (event) => event.key === 'Escape' && cancel());
+  element.addEventListener('wheel', wheel, { passive: false });
+  element.addEventListener('contextmenu', (event) => event.preventDefault());
+  element.addEventListener('pointerleave', () => {
+    pane.pointer = null;
+    tool().leave(pane);
+  });
 }

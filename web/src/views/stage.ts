@@ -36,7 +36,7 @@ export class Stage {
   private readonly surfaces = signal(0);
   private readonly moved = signal(0);
   private readonly ghosts = signal(0);
-  private readonly ending = new Map<Pane, () => void>();
+  private readonly made = new Map<Role, Pane>();
 
   constructor(studio: Studio) {
     this.studio = studio;
@@ -81,26 +81,18 @@ export class Stage {
   }
 
   private arrange(roles: Role[]): void {
-    const panes = this.panes.peek();
-    const kept = roles.map((role) => panes.find((pane) => pane.role === role) ?? this.makePane(role));
-    for (const pane of panes) {
-      if (kept.includes(pane)) continue;
-      this.ending.get(pane)?.();
-      this.ending.delete(pane);
-      pane.dispose();
-    }
-    this.element.append(...kept.map((pane) => pane.element));
-    this.element.dataset.panes = String(kept.length);
-    this.panes.value = kept;
+    const shown = roles.map((role) => this.made.get(role) ?? this.makePane(role));
+    for (const pane of this.panes.peek()) if (!shown.includes(pane)) pane.detach();
+    for (const pane of shown) pane.attach(this.element);
+    this.element.dataset.panes = String(shown.length);
+    this.panes.value = shown;
     this.viewer.invalidate();
   }
 
   private makePane(role: Role): Pane {
     const pane = new Pane(this.viewer, role);
-    this.ending.set(
-      pane,
-      listenToPointer(pane, () => this.tool.peek(), this.camera),
-    );
+    listenToPointer(pane, () => this.tool.peek(), this.camera);
+    this.made.set(role, pane);
     return pane;
   }
 

@@ -1,6 +1,6 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { computed, effect, flush, signal } from '../../src/ui/signal.ts';
+import { computed, detached, effect, flush, signal } from '../../src/ui/signal.ts';
 
 test('an effect runs once for several changes, and only for what it read', () => {
   const [a, b, c] = [signal(1), signal(2), signal(3)];
@@ -44,4 +44,29 @@ test('effects in a circle are an error and hang nothing', () => {
     count.value = count.value + 1;
   });
   assert.throws(flush, /without an end/);
+});
+
+test('effects of an effect end with its next run, but detached ones stay', () => {
+  const [outer, inner] = [signal(0), signal(0)];
+  let runs = 0;
+  let detachedRuns = 0;
+  effect(() => {
+    void outer.value;
+    effect(() => {
+      void inner.value;
+      runs += 1;
+    });
+    detached(() =>
+      effect(() => {
+        void inner.value;
+        detachedRuns += 1;
+      }),
+    );
+  });
+  outer.value = 1;
+  flush();
+  assert.deepEqual([runs, detachedRuns], [2, 2]);
+  inner.value = 1;
+  flush();
+  assert.deepEqual([runs, detachedRuns], [3, 4]);
 });
