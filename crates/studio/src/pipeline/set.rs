@@ -155,6 +155,15 @@ impl Source {
         {
             return items.iter().map(|item| self.end_of(item)).max().unwrap_or(end);
         }
+        // The span of a flow collection ends before its bracket.
+        let closing = match self.text.get(start) {
+            Some('[') => Some(']'),
+            Some('{') => Some('}'),
+            _ => None,
+        };
+        if closing.is_some() && self.text.get(end).copied() == closing {
+            return end + 1;
+        }
         while end > start && self.text[end - 1].is_whitespace() {
             end -= 1;
         }
