@@ -7,21 +7,22 @@ use std::{
 };
 
 /// The crates that each crate of ours may stand on; cargo itself refuses circles.
-const ARROWS: [(&str, &[&str]); 7] = [
+const ARROWS: [(&str, &[&str]); 8] = [
     ("core", &[]),
     ("document", &[]),
     ("render", &[]),
     ("markers", &["core", "document"]),
     ("pipeline", &["core", "document", "markers", "render"]),
+    ("studio", &["core", "document", "markers", "pipeline"]),
     ("plugins", &["core"]),
-    ("mimesh", &["core", "document", "markers", "pipeline", "render", "plugins"]),
+    ("mimesh", &["core", "document", "markers", "pipeline", "render", "studio", "plugins"]),
 ];
 
 /// Crates of others that belong to a command line, which only the program may use.
-const COMMAND_LINE: [&str; 5] = ["clap", "clap_complete", "ctrlc", "indicatif", "terminal_size"];
+const COMMAND_LINE: [&str; 6] = ["open", "clap", "clap_complete", "ctrlc", "indicatif", "terminal_size"];
 
 /// Subcommands of the program; `mimesh cache` is also how a cached result begins.
-const SUBCOMMANDS: [&str; 13] = [
+const SUBCOMMANDS: [&str; 14] = [
     "check",
     "compare",
     "inspect",
@@ -35,6 +36,7 @@ const SUBCOMMANDS: [&str; 13] = [
     "schema",
     "score",
     "show",
+    "studio",
 ];
 
 fn root() -> &'static Path {

@@ -28,6 +28,8 @@ mod schema;
 mod score;
 mod show;
 mod status;
+#[cfg(feature = "studio")]
+mod studio;
 mod summary;
 mod terminal;
 mod transfer;
@@ -62,6 +64,9 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     Transfer(transfer::TransferCommand),
+    #[cfg(feature = "studio")]
+    #[command(name = "studio")]
+    Studio(studio::StudioCommand),
     Run(run::Run),
     Check(check::Check),
     Plan(plan::PlanCommand),
@@ -94,6 +99,8 @@ pub fn main() -> ExitCode {
     };
     let result = match cli.command {
         Command::Transfer(command) => command.run(),
+        #[cfg(feature = "studio")]
+        Command::Studio(command) => command.run(),
         Command::Run(command) => command.run(),
         Command::Check(command) => command.run(),
         Command::Plan(command) => command.run(),

@@ -43,6 +43,7 @@ pub fn restored(text: &str) -> String {
     text.replace(GUARDS[0], "{").replace(GUARDS[1], "}")
 }
 
+/// `value` with the braces of its texts as they were written.
 pub fn unguarded(value: Value) -> Value {
     match value {
         Value::String(text) => Value::String(restored(&text)),

@@ -7,7 +7,7 @@
 //! In reading order: [`diagnostic`], [`source_tree`], [`document`], [`merge`], [`mod@include`], [`variables`], [`overrides`],
 //! [`mod@deserialize`].
 
-mod braces;
+pub mod braces;
 mod describe;
 pub mod deserialize;
 pub mod diagnostic;

@@ -8,8 +8,8 @@ use crate::{
     attacher::Attacher,
     formats::{cons, json, pp, table, wrap, yaml},
     indices::{check, indexed_points},
-    mesh::MarkerMesh,
-    model::MarkerFile,
+    mesh::{MarkerMesh, MeshRole},
+    model::{MarkerFile, MarkerStatus},
     notation::{Notation, ending},
     points::ExportPoint,
 };
@@ -32,6 +32,9 @@ pub struct Exported {
 /// If the ending is unknown, a file of points has no `{side}`, a marker has no target yet, or a point does not exist.
 pub fn export(markers: &MarkerFile, out: &Path, meshes: [MarkerMesh<'_>; 2]) -> Result<Exported> {
     let notation = check_name(out)?;
+    if notation != Notation::Yaml && markers.pairs.iter().any(|pair| pair.status == MarkerStatus::Skipped) {
+        return export(&markers.numbered_without_skipped(), out, meshes);
+    }
     if notation != Notation::Yaml {
         check_complete(markers, out)?;
     }
@@ -74,10 +77,11 @@ fn no_notation(out: &Path) -> String {
 }
 
 fn check_complete(markers: &MarkerFile, out: &Path) -> Result<()> {
-    match markers.pairs.iter().position(|pair| pair.target.is_none()) {
+    let lacks = |role: MeshRole| Some((role, markers.pairs.iter().position(|pair| pair.point(role).is_none())?));
+    match MeshRole::BOTH.into_iter().find_map(lacks) {
         None => Ok(()),
-        Some(first) => {
-            let message = format!("marker {} has no target yet", markers.name(first));
+        Some((role, first)) => {
+            let message = format!("marker {} has no {role} yet", markers.name(first));
             Err(unusable(out, message, "only .yaml has room for markers that are still to be completed"))
         }
     }

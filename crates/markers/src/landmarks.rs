@@ -35,6 +35,6 @@ mod tests {
     fn landmarks_of_equal_names_are_markers() {
         let file = from_landmarks(&with_landmarks(["nose", "tail"]), &with_landmarks(["ear", "nose"]));
         let points: Vec<_> = file.pairs.iter().map(|pair| (pair.source, pair.target)).collect();
-        assert_eq!(points, [(MeshPoint::Vertex(0), Some(MeshPoint::Vertex(1)))]);
+        assert_eq!(points, [(Some(MeshPoint::Vertex(0)), Some(MeshPoint::Vertex(1)))]);
     }
 }

@@ -101,14 +101,17 @@ pub fn mirror(markers: &MarkerFile, meshes: [MarkerMesh<'_>; 2], planes: [Plane;
 }
 
 fn positions(pair: &MarkerPair, [source, target]: [MarkerMesh<'_>; 2]) -> Option<[Point3<f64>; 2]> {
-    Some([source.position(pair.source)?, target.position(pair.target?)?])
+    Some([source.position(pair.source?)?, target.position(pair.target?)?])
 }
 
 impl Mirror<'_> {
     /// The outcome of pair `i`, whose partner is added to `result` if it is missing.
     fn outcome(&self, i: usize, result: &mut MarkerFile) -> Outcome {
         let (Some(at), Some(images)) = (&self.positions[i], &self.images[i]) else {
-            return Outcome::Left("it has no target yet".into());
+            return Outcome::Left(format!(
+                "it has no {} yet",
+                if self.markers.pairs[i].source.is_none() { MeshRole::Source } else { MeshRole::Target }
+            ));
         };
         let on_plane = [0, 1].map(|k| self.planes[k].distance(&at[k]) <= MAX_MIRROR_DISTANCE * self.diagonals[k]);
         if on_plane == [true; 2] {

@@ -32,13 +32,13 @@ pub struct MeshReference {
     pub blake3: Option<String>,
 }
 
-/// A pair of points, which may still lack its target.
+/// A pair of points, of which one may still be missing.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MarkerPair {
     /// The name, if the pair has one.
     pub name: Option<String>,
-    /// The point of the source.
-    pub source: MeshPoint,
+    /// The point of the source; `None` while it is still to be found.
+    pub source: Option<MeshPoint>,
     /// The point of the target; `None` while it is still to be found.
     pub target: Option<MeshPoint>,
     /// A remark.
@@ -62,6 +62,8 @@ pub enum MarkerStatus {
     Confirmed,
     /// A stage found it: it may be found anew elsewhere, or left out.
     Proposed,
+    /// A person left it out: it stays in the file, and no stage sees it.
+    Skipped,
 }
 
 impl MarkerFile {
@@ -109,7 +111,7 @@ impl MarkerPair {
     pub fn new(source: MeshPoint, target: MeshPoint) -> Self {
         Self {
             name: None,
-            source,
+            source: Some(source),
             target: Some(target),
             note: None,
             status: MarkerStatus::Confirmed,
@@ -122,7 +124,7 @@ impl MarkerPair {
     /// The point on the mesh `role`.
     pub fn point(&self, role: MeshRole) -> Option<MeshPoint> {
         match role {
-            MeshRole::Source => Some(self.source),
+            MeshRole::Source => self.source,
             MeshRole::Target => self.target,
         }
     }

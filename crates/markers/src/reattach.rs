@@ -73,7 +73,7 @@ pub fn reattach(
         };
         pair.at[role.index()] = Some(to);
         match role {
-            MeshRole::Source => pair.source = point,
+            MeshRole::Source => pair.source = Some(point),
             MeshRole::Target => pair.target = Some(point),
         }
         moves.push(Move { name, from, point, distance, doubt });

@@ -2,13 +2,16 @@
 
 use std::collections::HashMap;
 
-use mimesh_core::{mesh::SurfacePoint, stage::Marker};
+use mimesh_core::{
+    mesh::{MeshPoint, SurfacePoint},
+    stage::Marker,
+};
 use mimesh_document::{Diagnostic, Diagnostics, Result};
 
 use crate::{
     indices::{check, indexed_points, missing},
-    mesh::MarkerMesh,
-    model::{MarkerFile, MarkerPair},
+    mesh::{MarkerMesh, MeshRole},
+    model::{MarkerFile, MarkerPair, MarkerStatus},
     text::in_line,
 };
 
@@ -17,13 +20,16 @@ impl MarkerFile {
     ///
     /// # Errors
     ///
-    /// Every marker that has no target, does not exist on its mesh, or shares a point with an earlier one.
+    /// Every marker that lacks a point, does not exist on its mesh, or shares a point with an earlier one; skipped ones do not count.
     pub fn resolve(&self, meshes: [MarkerMesh<'_>; 2]) -> Result<Vec<Marker>> {
+        if self.pairs.iter().any(|pair| pair.status == MarkerStatus::Skipped) {
+            return self.numbered_without_skipped().resolve(meshes);
+        }
         if let Some(diagnostic) = self.exchanged(meshes) {
             return Err(diagnostic.into());
         }
         let mut diagnostics = Diagnostics::default();
-        diagnostics.extend(self.incomplete());
+        MeshRole::BOTH.into_iter().for_each(|role| diagnostics.extend(self.incomplete(role)));
         for mesh in meshes {
             diagnostics.extend(check(mesh, &indexed_points(self, mesh.role)));
         }
@@ -37,16 +43,23 @@ impl MarkerFile {
         diagnostics.into_result().map(|()| markers.collect())
     }
 
-    /// The diagnostic of all markers that have no target yet, at the first of them.
-    fn incomplete(&self) -> Option<Diagnostic> {
-        let missing: Vec<usize> = (0..self.pairs.len()).filter(|&i| self.pairs[i].target.is_none()).collect();
+    /// The markers without those that a person left out, which keep their numbers as names.
+    pub(crate) fn numbered_without_skipped(&self) -> Self {
+        let used = (0..self.pairs.len()).filter(|&i| self.pairs[i].status != MarkerStatus::Skipped);
+        let named = used.map(|i| MarkerPair { name: Some(self.name(i)), ..self.pairs[i].clone() });
+        Self { pairs: named.collect(), ..self.clone() }
+    }
+
+    /// The diagnostic of all markers that have no point of `role` yet, at the first of them.
+    fn incomplete(&self, role: MeshRole) -> Option<Diagnostic> {
+        let missing: Vec<usize> = (0..self.pairs.len()).filter(|&i| self.pairs[i].point(role).is_none()).collect();
         let first = *missing.first()?;
         let names: Vec<_> = missing.iter().map(|&i| self.name_with_note(i)).collect();
         let message = match missing.len() {
-            1 => format!("marker {} has no target", names[0]),
-            count => format!("{count} of {} markers have no target: {}", self.pairs.len(), names.join("; ")),
+            1 => format!("marker {} has no {role}", names[0]),
+            count => format!("{count} of {} markers have no {role}: {}", self.pairs.len(), names.join("; ")),
         };
-        let hint = "write the vertex of the target at the same place, e.g. `{ source: 750, target: 3386 }`";
+        let hint = format!("write the vertex of the {role} at the same place, e.g. `{{ source: 750, target: 3386 }}`");
         Some(self.pairs[first].diagnostic(message).hint(hint))
     }
 
@@ -64,7 +77,8 @@ impl MarkerFile {
         let count = 1 + wrong.count();
         let [source, target] = meshes;
         let fits_exchanged = |pair: &MarkerPair| {
-            missing(target, pair.source).is_none() && pair.target.is_none_or(|point| missing(source, point).is_none())
+            pair.source.is_none_or(|point| missing(target, point).is_none())
+                && pair.target.is_none_or(|point| missing(source, point).is_none())
         };
         if count < 2 || !self.pairs.iter().all(fits_exchanged) {
             return None;
@@ -107,12 +121,13 @@ impl MarkerFile {
 impl MarkerPair {
     /// The points on the surfaces of source and target, if both exist.
     fn on_surfaces(&self, [source, target]: [MarkerMesh<'_>; 2]) -> Option<[SurfacePoint; 2]> {
-        Some([source.surface.point(self.source)?, target.surface.point(self.target?)?])
+        Some([source.surface.point(self.source?)?, target.surface.point(self.target?)?])
     }
 
-    /// In words that a mesh lacks its point of a pair; `None` for a pair without a target.
+    /// In words that a mesh lacks its point of a pair; `None` for points that are still to be found.
     fn missing(&self, [source, target]: [MarkerMesh<'_>; 2]) -> Option<String> {
-        missing(source, self.source).or_else(|| missing(target, self.target?))
+        let lacks = |mesh, point: Option<MeshPoint>| point.and_then(|point| missing(mesh, point));
+        lacks(source, self.source).or_else(|| lacks(target, self.target))
     }
 }
 

@@ -46,7 +46,7 @@ fn vertices(attached: &AttachedMarkers) -> Vec<[u32; 2]> {
         MeshPoint::Vertex(v) => v,
         MeshPoint::Triangle(..) => panic!("{point:?} is no vertex"),
     };
-    attached.markers.pairs.iter().map(|pair| [pair.source, pair.target.unwrap()].map(vertex)).collect()
+    attached.markers.pairs.iter().map(|pair| [pair.source.unwrap(), pair.target.unwrap()].map(vertex)).collect()
 }
 
 /// Bent, so that no turn brings the ellipsoid onto itself.
@@ -398,13 +398,13 @@ fn names_of_files_fit_their_notation() {
     assert!(error(&markers, "x.pp").starts_with("error: x.pp: a .pp holds the points of one mesh\n"));
     assert!(error(&markers, "x-{side}.yaml").starts_with("error: x-{side}.yaml: a .yaml holds both sides\n"));
     assert!(error(&markers, "x.xyz").starts_with("error: x.xyz: no notation of markers has this ending\n"));
-    markers.pairs[1].source = MeshPoint::Triangle(0, [0.5, 0.5, 0.0]);
+    markers.pairs[1].source = Some(MeshPoint::Triangle(0, [0.5, 0.5, 0.0]));
     let warnings = export(&markers, Path::new("x.cons"), both(&meshes)).unwrap().warnings;
     assert_eq!(warnings.len(), 1);
     assert!(warnings[0].starts_with("source: a .cons names vertices only: 1 of 2 points moved"), "{}", warnings[0]);
     markers.pairs[1].target = None;
     assert!(error(&markers, "x.cons").starts_with("error: x.cons: marker 2 has no target yet\n"));
     assert!(export(&markers, Path::new("x.yaml"), both(&meshes)).is_ok());
-    markers.pairs[0].source = MeshPoint::Vertex(86);
+    markers.pairs[0].source = Some(MeshPoint::Vertex(86));
     assert!(error(&markers, "x.yaml").contains("marker 1: the source has no vertex 86: expected 0 to 85"));
 }

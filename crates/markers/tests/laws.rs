@@ -223,7 +223,7 @@ proptest! {
         let moves = reattach(&mut file, old, edited.on(MeshRole::Source), false).unwrap();
         prop_assert!(moves.iter().all(|moved| moved.distance == 0.0 && moved.doubt.is_none()));
         let sources: Vec<_> = file.pairs.iter().map(|pair| pair.source).collect();
-        let expected: Vec<_> = vertices.iter().map(|&v| MeshPoint::Vertex(85 - v)).collect();
+        let expected: Vec<_> = vertices.iter().map(|&v| Some(MeshPoint::Vertex(85 - v))).collect();
         prop_assert_eq!(sources, expected);
     }
 }

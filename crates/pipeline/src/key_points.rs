@@ -28,7 +28,8 @@ pub fn choose(prepared: &PreparedSource, start: &MarkerFile, watch: &dyn ChoiceW
         .par_iter()
         .map(|pose| read(pose).map_err(|error| crate::run::pose_error(&pose.name, None, None, error)))
         .collect::<std::result::Result<_, _>>()?;
-    let start: Vec<SurfacePoint> = start.pairs.iter().map(|pair| on_surface(&source.surface, pair.source)).collect();
+    let start: Vec<SurfacePoint> =
+        start.pairs.iter().filter_map(|pair| Some(on_surface(&source.surface, pair.source?))).collect();
     let input = KeyPointsInput { source: &source.surface, poses: &poses, start: &start };
     let doing = |error: mimesh_core::Error| {
         error.into_diagnostic().doing(format!("key_points ({})", key_points.typetag_name()))
@@ -52,13 +53,14 @@ pub fn to_complete(prepared: &PreparedSource, points: &[SurfacePoint], before: &
     for &point in points {
         let on_mesh = source.surface.mesh_point(point);
         let is_it = |pair: &&MarkerPair| {
-            source.surface.point(pair.source).is_some_and(|point| source.surface.mesh_point(point) == on_mesh)
+            let known = pair.source.and_then(|point| source.surface.point(point));
+            known.is_some_and(|point| source.surface.mesh_point(point) == on_mesh)
         };
         pairs.push(match before.pairs.iter().find(is_it) {
             Some(pair) => MarkerPair { location: None, ..pair.clone() },
             None => MarkerPair {
                 name: free.next(),
-                source: on_mesh,
+                source: Some(on_mesh),
                 target: None,
                 note: Some(note(&source.sequence, &source.surface, point)),
                 status: MarkerStatus::Confirmed,

@@ -12,7 +12,7 @@ use mimesh_core::{
     mesh::{Surface, SurfacePoint},
     plugin::check_ranges,
     register,
-    stage::{BoundWeights, HandlePoints, HandleWeights, ProximityGraph, Weights},
+    stage::{BoundWeights, HandlePoints, HandleWeights, KeptWeights, ProximityGraph, Weights},
 };
 use nalgebra::DMatrix;
 use schemars::JsonSchema;
@@ -21,7 +21,7 @@ use serde::{Deserialize, Serialize};
 use crate::{
     bilaplacian::Bilaplacian,
     domain::{Domain, Group},
-    greens::Greens,
+    greens::{Greens, KeptGreens},
 };
 
 register!(Weights: Biharmonic);
@@ -59,6 +59,31 @@ impl Weights for Biharmonic {
         let energy = |group: &Group| Bilaplacian::new(&group.laplacian, &group.mass).matrix;
         let greens = Greens::new(domain, points, energy, "the energy of biharmonic weights", true)?;
         Ok(Box::new(Bound { greens, clamp: self.clamp }))
+    }
+
+    fn keep(&self, surface: &Surface, proximity: Option<&ProximityGraph>) -> Result<Option<Box<dyn KeptWeights>>> {
+        check_ranges(self)?;
+        let domain = Domain::new(surface, proximity, self.bridge)?;
+        let energy = |group: &Group| Bilaplacian::new(&group.laplacian, &group.mass).matrix;
+        let greens = KeptGreens::new(domain, energy, "the energy of biharmonic weights", true)?;
+        Ok(Some(Box::new(Kept { greens, clamp: self.clamp })))
+    }
+}
+
+/// Weights of a surface whose handles come and go.
+#[derive(Debug)]
+struct Kept {
+    greens: KeptGreens,
+    clamp: bool,
+}
+
+impl KeptWeights for Kept {
+    fn solve(&mut self, points: &[SurfacePoint]) -> Result<HandleWeights> {
+        let mut weights = self.greens.solve(points, |group| group.mean_mass)?;
+        if self.clamp {
+            clamp(&mut weights.matrix);
+        }
+        Ok(weights)
     }
 }
 

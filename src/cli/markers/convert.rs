@@ -88,7 +88,7 @@ fn counted_from_zero(markers: &MarkerFile, sides: FromOne) -> Result<MarkerFile>
     let mut markers = markers.clone();
     for pair in &mut markers.pairs {
         if sides != FromOne::Target {
-            pair.source = minus_one(pair.source)?;
+            pair.source = pair.source.map(minus_one).transpose()?;
         }
         if sides != FromOne::Source {
             pair.target = pair.target.map(minus_one).transpose()?;

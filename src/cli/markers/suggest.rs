@@ -103,7 +103,7 @@ fn known(meshes: &Meshes, formats: &Formats) -> Result<Known> {
     let Some(files) = &meshes.markers else { return Ok(Known { pairs: vec![], are_clicks: true }) };
     let on = [meshes.source.for_markers(MeshRole::Source), meshes.target.for_markers(MeshRole::Target)];
     let mut markers = PointSource::read(files, formats)?.attach(on, false)?.markers;
-    markers.pairs.retain(|pair| pair.target.is_some());
+    markers.pairs.retain(|pair| pair.source.is_some() && pair.target.is_some());
     let are_clicks = markers.pairs.iter().all(|pair| pair.status == MarkerStatus::Confirmed);
     Ok(Known { pairs: markers.resolve(on)?, are_clicks })
 }

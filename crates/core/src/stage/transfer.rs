@@ -27,6 +27,18 @@ pub trait Transfer: Debug + Send + Sync {
     /// or if the target is of a kind that this method cannot move.
     fn bind(&self, input: BindInput<'_>) -> Result<Box<dyn BoundTransfer>>;
 
+    /// Prepares for markers that come and go, as while a person moves them: what depends on surfaces and poses alone is done once.
+    ///
+    /// The markers of the input do not matter. `None`, the default, for transfers that gain nothing by it; [`bind`](Self::bind) then does
+    /// it anew each time.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`bind`](Self::bind) that do not depend on markers.
+    fn keep(&self, _input: BindInput<'_>) -> Result<Option<Box<dyn KeptTransfer>>> {
+        Ok(None)
+    }
+
     /// Looks for what [`bind`](Self::bind) would refuse, as far as that takes little time, so that a pipeline can be
     /// checked without computing.
     ///
@@ -88,6 +100,16 @@ impl<'a> BindInput<'a> {
         map.check(self.pair)?;
         Ok(map)
     }
+}
+
+/// A transfer between two rest surfaces whose markers come and go.
+pub trait KeptTransfer: Debug + Send {
+    /// The transfer by the markers of `pair`, which has the surfaces that this was made with; about as [`Transfer::bind`] gives it.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Transfer::bind`].
+    fn bind(&mut self, pair: TransferPair<'_>) -> Result<Box<dyn BoundTransfer>>;
 }
 
 /// A transfer bound to a pair of rest surfaces.

@@ -35,6 +35,27 @@ pub trait Weights: Debug + Send + Sync {
         points: &[SurfacePoint],
         proximity: Option<&ProximityGraph>,
     ) -> Result<Box<dyn BoundWeights>>;
+
+    /// Prepares for handles that come and go, as while a person moves them: what depends on the surface alone is done once.
+    ///
+    /// `None`, the default, for weights that gain nothing by it; [`bind`](Self::bind) then does it anew each time.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`bind`](Self::bind) that do not depend on points.
+    fn keep(&self, _surface: &Surface, _proximity: Option<&ProximityGraph>) -> Result<Option<Box<dyn KeptWeights>>> {
+        Ok(None)
+    }
+}
+
+/// Weights of a surface whose handles come and go.
+pub trait KeptWeights: Debug + Send {
+    /// The weights of handles at `points`, as [`Weights::bind`] and [`BoundWeights::solve`] give them but for rounding.
+    ///
+    /// # Errors
+    ///
+    /// Theirs.
+    fn solve(&mut self, points: &[SurfacePoint]) -> Result<HandleWeights>;
 }
 
 /// Weights bound to a surface and the points that may become handles.

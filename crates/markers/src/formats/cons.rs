@@ -120,7 +120,7 @@ mod tests {
     #[test]
     fn pairs_are_read_with_commas_or_without() {
         let file = read("2\n750, 3386\n\n524 3737\n").unwrap();
-        let points: Vec<_> = file.pairs.iter().map(|e| (e.source, e.target)).collect();
+        let points: Vec<_> = file.pairs.iter().map(|e| (e.source.unwrap(), e.target)).collect();
         let vertex = MeshPoint::Vertex;
         assert_eq!(points, [(vertex(750), Some(vertex(3386))), (vertex(524), Some(vertex(3737)))]);
         assert_eq!(file.pairs[1].location, Some(Location::Line { file: "m.cons".into(), line: 4 }));
@@ -180,7 +180,7 @@ mod tests {
         #[test]
         fn pairs_come_back_as_written(pairs in prop::collection::vec(any::<(u32, u32)>(), 0..20)) {
             let file = read(&write(pairs.iter().copied())).unwrap();
-            let back: Vec<_> = file.pairs.iter().map(|e| (e.source, e.target)).collect();
+            let back: Vec<_> = file.pairs.iter().map(|e| (e.source.unwrap(), e.target)).collect();
             let expected: Vec<_> = pairs.iter().map(|&(s, t)| (MeshPoint::Vertex(s), Some(MeshPoint::Vertex(t)))).collect();
             prop_assert_eq!(back, expected);
         }

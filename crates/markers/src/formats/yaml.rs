@@ -11,6 +11,7 @@
 //!
 //! `at` is the position of the point when it was made; by it, markers are found again after the mesh was edited. `status` is
 //! `confirmed` where it is left out: a person stands for the pair. A stage that finds markers anew keeps those, and no `proposed` ones.
+//! No stage sees a pair that is `skipped`. One side may be `null` while its point is still to be found.
 
 use std::{collections::HashMap, fmt::Write, path::Path};
 
@@ -69,12 +70,17 @@ pub fn write(file: &MarkerFile) -> String {
     }
     text.push_str(if file.pairs.is_empty() { "markers: []\n" } else { "markers:\n" });
     for pair in &file.pairs {
-        let target = pair.target.map_or_else(|| "null".into(), |target| point_text(target, pair.at[1]));
+        let text_of = |point: Option<MeshPoint>, at| point.map_or_else(|| "null".into(), |point| point_text(point, at));
+        let status = match pair.status {
+            MarkerStatus::Confirmed => None,
+            MarkerStatus::Proposed => Some("status: proposed".into()),
+            MarkerStatus::Skipped => Some("status: skipped".into()),
+        };
         let fields = [
             pair.name.as_ref().map(|name| format!("name: {}", quote(name))),
-            Some(format!("source: {}", point_text(pair.source, pair.at[0]))),
-            Some(format!("target: {target}")),
-            (pair.status == MarkerStatus::Proposed).then(|| "status: proposed".into()),
+            Some(format!("source: {}", text_of(pair.source, pair.at[0]))),
+            Some(format!("target: {}", text_of(pair.target, pair.at[1]))),
+            status,
             pair.confidence.map(|confidence| format!("confidence: {confidence:?}")),
             pair.note.as_ref().map(|note| format!("note: {}", quote(note))),
         ];
@@ -199,25 +205,24 @@ fn pair(document: &Document, i: usize, diagnostics: &mut Diagnostics) -> Option<
     if diagnostics.len() > before {
         return None;
     }
-    let Some(source) = source else {
+    if source.is_none() && target.is_none() {
         let name = name.unwrap_or_else(|| (i + 1).to_string());
-        let also = if target.is_some() { "" } else { " and no target" };
-        let diagnostic = document.diagnostic(&path, At::Value, format!("marker {name} has no source{also}"));
+        let diagnostic = document.diagnostic(&path, At::Value, format!("marker {name} has no source and no target"));
         diagnostics
             .push(diagnostic.hint("a marker needs a point on both meshes, e.g. `{ source: 750, target: 3386 }`"));
         return None;
-    };
+    }
     if let Some(number) = confidence.filter(|number| !(0.0..=1.0).contains(number)) {
         let at = [&path[..], &[Step::Key("confidence".into())]].concat();
         let message = format!("`confidence`: expected a number from 0 to 1, found {number}");
         diagnostics.push(document.diagnostic(&at, At::Value, message));
         return None;
     }
-    let at = [source.at, target.as_ref().and_then(|target| target.at)];
+    let at = [&source, &target].map(|point| point.as_ref().and_then(|point| point.at));
     let location = Some(document.location(&path, At::Value));
     Some(MarkerPair {
         name,
-        source: source.point,
+        source: source.map(|source| source.point),
         target: target.map(|target| target.point),
         note,
         status,
@@ -249,7 +254,7 @@ mod tests {
         let file = read(text).unwrap();
         assert_eq!(file.source.unwrap().vertices, Some(9));
         assert_eq!(file.pairs[0].name.as_deref(), Some("ear"));
-        assert_eq!(file.pairs[1].source, MeshPoint::Triangle(12, [0.2, 0.3, 0.5]));
+        assert_eq!(file.pairs[1].source, Some(MeshPoint::Triangle(12, [0.2, 0.3, 0.5])));
         assert_eq!(file.pairs[1].target, Some(MeshPoint::Vertex(4)));
     }
 
@@ -315,13 +320,16 @@ mod tests {
     proptest! {
         #[test]
         fn markers_come_back_as_written(
-            pairs in prop::collection::vec((point(), prop::option::of(point()), prop::option::of(TEXT), any::<bool>()), 0..6),
+            pairs in prop::collection::vec((prop::option::of(point()), point(), prop::option::of(TEXT), 0usize..4), 0..6),
             mesh in prop::option::of(TEXT), vertices in prop::option::of(0usize..1000),
         ) {
-            let pairs = pairs.into_iter().enumerate().map(|(i, (source, target, note, kept))| {
+            let pairs = pairs.into_iter().enumerate().map(|(i, (one, other, note, kind))| {
+                let kept = kind % 2 == 0;
+                // Either side may be missing, not both.
+                let (source, target) = if kind < 2 { (one, Some(other)) } else { (Some(other), one) };
                 let at = kept.then(|| Point3::new(i as f64, 0.1 * i as f64, -1e-7));
-                let at = [at, at.filter(|_| target.is_some())];
-                let status = if kept { MarkerStatus::Proposed } else { MarkerStatus::Confirmed };
+                let at = [at.filter(|_| source.is_some()), at.filter(|_| target.is_some())];
+                let status = [MarkerStatus::Proposed, MarkerStatus::Confirmed, MarkerStatus::Skipped][kind.min(2)];
                 let confidence = kept.then(|| 1.0 / (i as f64 + 1.0));
                 let name = (i % 2 == 0).then(|| format!("n{i}: #"));
                 MarkerPair { name, source, target, note, status, confidence, at, location: None }

@@ -22,7 +22,7 @@ impl RestMesh {
     }
 
     /// The mesh as its file has it, which points of marker files lie on; a pose may serve as the rest in its place.
-    fn as_in_file(&self, role: MeshRole) -> MarkerMesh<'_> {
+    pub fn as_in_file(&self, role: MeshRole) -> MarkerMesh<'_> {
         match &self.of_file {
             Some((mesh, surface)) => MarkerMesh { role, mesh, surface },
             None => self.for_markers(role),

@@ -26,6 +26,6 @@ mod writable;
 
 pub use common::Options;
 pub use held_poses::NAME_POSES;
-pub use parts::{OTHER_MESHES, prepare_meshes, prepare_source};
+pub use parts::{OTHER_MESHES, prepare_meshes, prepare_posed_meshes, prepare_source};
 pub use rest_meshes::in_file;
 pub use runs::{prepare_all, prepare_document};

@@ -114,7 +114,21 @@ pub struct Part {
 ///
 /// As [`compose`], and what is wrong with variables in these slots.
 pub fn compose_part(file: &Path, settings: &[String], read: &[&str]) -> Result<Part> {
-    let (mut document, included) = include::read(file)?;
+    let (document, included) = include::read(file)?;
+    compose_part_of(document, included, settings, read)
+}
+
+/// The same for a document that was read, with the files that it includes.
+///
+/// # Errors
+///
+/// Those of [`compose_part`], but for reading.
+pub fn compose_part_of(
+    mut document: Document,
+    included: Vec<PathBuf>,
+    settings: &[String],
+    read: &[&str],
+) -> Result<Part> {
     overrides::apply(&mut document, settings, &PipelineShapes)?;
     let mut ignored = Diagnostics::default();
     matrix::take(&mut document, &mut ignored);

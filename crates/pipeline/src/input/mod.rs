@@ -13,5 +13,5 @@ pub use ground_truth::GroundTruth;
 pub use output_change::OutputChange;
 pub use outputs::{Output, Outputs};
 pub use poses::{PoseFrom, PoseInput, evenly_spaced, poses_are, read_evenly_spaced, read_pose};
-pub use prepared::{InputFile, Meshes, Prepared, PreparedSource, ProximityInput};
+pub use prepared::{InputFile, Meshes, PosedMeshes, Prepared, PreparedSource, ProximityInput};
 pub use rest_mesh::RestMesh;

@@ -135,6 +135,31 @@ pub struct Meshes {
     pub correspondence: Option<Box<dyn Correspondence>>,
 }
 
+/// The part of a pipeline that a person looks at: both meshes at rest, and the poses as far as there are any.
+#[derive(Debug)]
+pub struct PosedMeshes {
+    /// The mesh that gives its motion.
+    pub source: RestMesh,
+    /// The mesh that takes the motion.
+    pub target: RestMesh,
+    /// The poses of the source; perhaps none.
+    pub poses: Vec<PoseInput>,
+    /// What the poses are to each other.
+    pub poses_are: PosesAre,
+    /// The frames a second at which a clip is taken, where the pipeline says it.
+    pub fps: Option<f64>,
+    /// The units and axes of source and target, as far as they are known.
+    pub units: [MeshUnits; 2],
+    /// The formats, with the pipeline's settings.
+    pub formats: Formats,
+    /// The pipeline's files of markers, as seen from the current folder.
+    pub markers: Option<MarkerFiles>,
+    /// The stage that proposes markers, if the pipeline has one.
+    pub landmarks: Option<Box<dyn Landmarks>>,
+    /// Sentences about what looks wrong or was left out.
+    pub warnings: Vec<String>,
+}
+
 /// A proximity graph with the report of its computation.
 #[derive(Clone, Debug)]
 pub struct ProximityInput {

@@ -1,9 +1,12 @@
 //! Positions of the target from the gradients of the blend at corresponding places of the source.
 
+use std::sync::Arc;
+
 use mimesh_core::{
     Result,
     mesh::Surface,
     operators::{Gradient, blended_maps, gradients},
+    spatial::Similarity,
 };
 use nalgebra::{DMatrix, Matrix3, Matrix3x4, Point3, Vector3};
 use rayon::prelude::*;
@@ -19,7 +22,9 @@ pub(super) struct Integral {
     normals: Vec<Vector3<f64>>,
     /// y.
     places: Vec<Point3<f64>>,
-    poisson: Poisson,
+    poisson: Arc<Poisson>,
+    /// What brings the frame of `poisson` to that of the source; `None` where they are one.
+    source_from_poisson: Option<Similarity>,
     triangles: Vec<[u32; 3]>,
     /// x: the target at rest in the source's frame.
     rest: Vec<Point3<f64>>,
@@ -38,6 +43,26 @@ pub(super) struct Pose<'a> {
 impl Integral {
     /// `target` is at rest in the source's frame, `places` are y.
     pub(super) fn new(target: Surface, places: Vec<Point3<f64>>) -> Result<Self> {
+        let poisson = Arc::new(Poisson::new(&target, |area| area)?);
+        Ok(Self::by(poisson, None, target, places))
+    }
+
+    /// The same by a system that was factored for the target in its own frame, which `source_from_target` brings to the source's.
+    pub(super) fn kept(
+        poisson: Arc<Poisson>,
+        source_from_target: Similarity,
+        target: Surface,
+        places: Vec<Point3<f64>>,
+    ) -> Self {
+        Self::by(poisson, Some(source_from_target), target, places)
+    }
+
+    fn by(
+        poisson: Arc<Poisson>,
+        source_from_poisson: Option<Similarity>,
+        target: Surface,
+        places: Vec<Point3<f64>>,
+    ) -> Self {
         let areas = target.area_normals(&target.positions);
         let components = target.components();
         let mut shares = vec![0.0; target.vertex_count()];
@@ -55,15 +80,16 @@ impl Integral {
             let count = members.len() as f64;
             members.iter_mut().for_each(|(_, share)| *share = if total > 0.0 { *share / total } else { 1.0 / count });
         }
-        Ok(Self {
+        Self {
             gradients: gradients(&places, &target.triangles),
             normals: target.area_normals(&places).iter().map(|n| n.try_normalize(0.0).unwrap_or_default()).collect(),
-            poisson: Poisson::new(&target, |area| area)?,
+            poisson,
+            source_from_poisson,
             triangles: target.triangles.clone(),
             rest: target.positions,
             places,
             components: members,
-        })
+        }
     }
 
     /// How many poses are best taken together.
@@ -79,6 +105,9 @@ impl Integral {
         let positions = |(field, pose): (Result<Vec<Matrix3<f64>>>, &Pose<'_>)| {
             field?;
             let mut positions = solutions.next().expect("each field has a solution")?.positions;
+            if let Some(to_source) = &self.source_from_poisson {
+                positions.iter_mut().for_each(|p| *p = to_source.apply(p));
+            }
             self.place(pose.blend, &mut positions);
             Ok(positions)
         };
@@ -96,7 +125,14 @@ impl Integral {
             let normal = self.normals[t];
             gradient.of_posed(&corners.map(|v| pose.blend[v as usize])) + of_maps * normal * normal.transpose()
         };
-        Ok((0..self.triangles.len()).map(gradient).collect())
+        let gradients = (0..self.triangles.len()).map(gradient);
+        Ok(match &self.source_from_poisson {
+            None => gradients.collect(),
+            Some(to_source) => {
+                let (turn, back) = (to_source.rotation, to_source.rotation.transpose());
+                gradients.map(|gradient| back * gradient * turn).collect()
+            }
+        })
     }
 
     /// Moves each component by the mean motion that the maps give it.

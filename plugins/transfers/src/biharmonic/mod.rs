@@ -18,6 +18,7 @@
 //! too, from the source's points closest to y (`residual: false` for the paper).
 
 mod integral;
+mod kept;
 mod residual;
 
 use mimesh_core::{
@@ -28,8 +29,8 @@ use mimesh_core::{
     register,
     spatial::{Orientation, Similarity},
     stage::{
-        BindInput, BoundTransfer, Clusterer, Deformer, Fit, HandleWeights, Marker, Proximity, Skin, Transfer,
-        TransferPair, Transferred, Weights, Work,
+        BindInput, BoundTransfer, Clusterer, Deformer, Fit, HandleWeights, KeptTransfer, Marker, Proximity, Skin,
+        Transfer, TransferPair, Transferred, Weights, Work,
     },
 };
 use nalgebra::Point3;
@@ -39,6 +40,7 @@ use serde::{Deserialize, Serialize};
 use tracing::debug_span;
 
 use integral::{Integral, Pose};
+use kept::Kept;
 use residual::Residual;
 
 use crate::alignment::by_markers;
@@ -176,7 +178,7 @@ impl Transfer for Biharmonic {
 
         let target_from_source = match self.frame {
             Frame::Source => Similarity::IDENTITY,
-            Frame::Fitted => self.similarity(pair),
+            Frame::Fitted => Self::similarity(pair, self.orientation),
         };
         let mut figures = Figures::default();
         figures.set("handles", handles.len());
@@ -204,6 +206,10 @@ impl Transfer for Biharmonic {
         Ok(Box::new(Bound { skin, weights: of_target, places, residual, integral, target_from_source, figures }))
     }
 
+    fn keep(&self, input: BindInput<'_>) -> Result<Option<Box<dyn KeptTransfer>>> {
+        Ok(Kept::new(self, input)?.map(|kept| Box::new(kept) as Box<dyn KeptTransfer>))
+    }
+
     fn check(&self, pair: TransferPair<'_>) -> Result<()> {
         check_ranges(self)?;
         self.stages()?;
@@ -226,13 +232,13 @@ impl Biharmonic {
         ))
     }
 
-    /// The similarity that brings the source's markers closest to the target's.
-    fn similarity(&self, pair: TransferPair<'_>) -> Similarity {
+    /// The similarity that brings the source's markers closest to the target's, turned as `orientation` says.
+    fn similarity(pair: TransferPair<'_>, orientation: Orientation) -> Similarity {
         let source: Vec<_> =
             pair.markers.iter().map(|m| m.source.position(pair.source, &pair.source.positions)).collect();
         let target: Vec<_> =
             pair.markers.iter().map(|m| m.target.position(pair.target, &pair.target.positions)).collect();
-        Similarity::fit(&source, &target, &vec![1.0; source.len()], self.orientation)
+        Similarity::fit(&source, &target, &vec![1.0; source.len()], orientation)
     }
 }
 

@@ -2,6 +2,7 @@
 
 use mimesh_core::{Result, mesh::Surface, operators::vertex_normals, spatial::ClosestPoint};
 use nalgebra::{Point3, Vector3};
+use rayon::prelude::*;
 
 /// The point of the source at rest that is closest to each place and faces the same way.
 #[derive(Debug)]
@@ -20,7 +21,7 @@ impl Residual {
             Some((source.triangles[found.triangle as usize], found.barycentric))
         };
         let normals = vertex_normals(&target.positions, &target.triangles);
-        Ok(Self { points: places.iter().zip(&normals).map(find).collect() })
+        Ok(Self { points: places.par_iter().zip(&normals).map(find).collect() })
     }
 
     /// Adds to `moved` what leads from the `fit` of the maps to the pose at those points.

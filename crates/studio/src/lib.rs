@@ -1,0 +1,33 @@
+//! The studio: a server for looking at two meshes, correcting their markers and watching the target move, in the browser.
+//!
+//! `docs/studio-protocol.md` is what pages and the server agree on. A [`Server`] holds one [`project`]: meshes, a document of
+//! [`markers`], a [`pipeline`], and [`live`] results of the pose that is looked at. The crate knows no command line.
+//!
+//! In reading order: [`error`], [`container`], [`folders`], [`meshes`], [`markers`], [`pipeline`], [`project`], [`jobs`], [`live`],
+//! [`studio`], [`routes`], [`web`], [`server`].
+
+pub mod cancel;
+pub mod container;
+pub mod durable;
+pub mod error;
+pub mod events;
+pub mod folders;
+pub mod jobs;
+pub mod live;
+pub mod markers;
+pub mod masks;
+pub mod meshes;
+pub mod next;
+pub mod pipeline;
+pub mod project;
+pub mod routes;
+pub mod run;
+pub mod scalars;
+pub mod server;
+pub mod shared;
+pub mod studio;
+pub mod web;
+pub mod worst;
+
+pub use server::{Server, Start, StudioOptions};
+pub use web::page::{BUILD_PAGE, is_built};

@@ -1,0 +1,57 @@
+//! Colour maps that metrics give.
+
+use mimesh_core::stage::{Metric, MetricContext, MetricInput, TransferPair};
+use mimesh_pipeline::Prepared;
+use serde::Serialize;
+
+/// A colour map.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ScalarView {
+    /// The type of the metric that gives it.
+    pub name: String,
+    /// What it shows, for people.
+    pub title: String,
+    /// The unit of its numbers.
+    pub unit: String,
+    /// Whether it needs the known result.
+    pub needs_truth: bool,
+}
+
+impl ScalarView {
+    /// The colour maps that the metrics of `prepared` give: those with a number for each vertex of the target at rest.
+    pub fn all(prepared: &Prepared) -> Vec<Self> {
+        let target = &prepared.target;
+        let pair = TransferPair {
+            source: &prepared.source.surface,
+            target: &target.surface,
+            markers: prepared.markers(),
+            proximity: prepared.proximity.as_ref().map(|proximity| &proximity.graph),
+        };
+        let context =
+            MetricContext { rest: &target.sequence.rest, surface: &target.surface, pair: Some(pair), map: None };
+        prepared
+            .metrics
+            .iter()
+            .filter_map(|metric| Self::of(metric.as_ref(), context, !prepared.truth.is_none()))
+            .collect()
+    }
+
+    fn of(metric: &dyn Metric, context: MetricContext<'_>, has_truth: bool) -> Option<Self> {
+        let needs_truth = metric.needs_ground_truth();
+        if needs_truth && !has_truth || metric.is_of_rest() || metric.needs_map() {
+            return None;
+        }
+        let rest = context.at_rest();
+        let input = MetricInput {
+            ground_truth: needs_truth.then_some(rest),
+            source: context.pair.map(|pair| &pair.source.positions[..]),
+            ..MetricInput::alone(rest)
+        };
+        let measured = metric.bind(context).ok()?.measure(input).ok()?;
+        if measured.field.is_empty() {
+            return None;
+        }
+        let (title, unit) = measured.field_unit.rsplit_once(", ").unwrap_or((measured.field_unit, ""));
+        Some(Self { name: metric.typetag_name().into(), title: title.into(), unit: unit.into(), needs_truth })
+    }
+}

@@ -1,0 +1,199 @@
+//! The socket: frames of the pose that is looked at, events, and messages that make no sense.
+
+mod common;
+
+use std::time::Duration;
+
+use common::{Client, sample, serve};
+use futures_util::{SinkExt, StreamExt};
+use mimesh_studio::Start;
+use serde_json::{Value, json};
+use tokio_tungstenite::{
+    WebSocketStream, client_async,
+    tungstenite::{Message, client::IntoClientRequest, handshake::client::Request},
+};
+
+type Socket = WebSocketStream<tokio::net::TcpStream>;
+
+async fn connect(client: &Client) -> Socket {
+    let mut request: Request = format!("ws://{}/api/live", client.address).into_client_request().unwrap();
+    let headers = request.headers_mut();
+    headers.insert("Origin", format!("http://{}", client.address).parse().unwrap());
+    headers.insert("Cookie", client.cookie.parse().unwrap());
+    let stream = tokio::net::TcpStream::connect(client.address).await.unwrap();
+    client_async(request, stream).await.unwrap().0
+}
+
+/// The next message for which `is_it` holds: its text, or the header of its frame with the frame.
+async fn wait(socket: &mut Socket, is_it: impl Fn(&Value) -> bool) -> (Value, Vec<u8>) {
+    let next = async {
+        loop {
+            let (value, bytes) = match socket.next().await.expect("an open socket").unwrap() {
+                Message::Text(text) => (serde_json::from_str(&text).unwrap(), vec![]),
+                Message::Binary(bytes) => {
+                    let length = u32::from_le_bytes([bytes[4], bytes[5], bytes[6], bytes[7]]) as usize;
+                    (serde_json::from_slice(&bytes[8..8 + length]).unwrap(), bytes.to_vec())
+                }
+                other => panic!("{other:?}"),
+            };
+            if is_it(&value) {
+                return (value, bytes);
+            }
+        }
+    };
+    tokio::time::timeout(Duration::from_secs(60), next).await.expect("a message in time")
+}
+
+async fn say(socket: &mut Socket, message: Value) {
+    socket.send(Message::text(message.to_string())).await.unwrap();
+}
+
+/// The vertices of a frame, which come last.
+fn positions(bytes: &[u8], vertices: usize) -> Vec<f32> {
+    let length = u32::from_le_bytes([bytes[4], bytes[5], bytes[6], bytes[7]]) as usize;
+    let start = 8 + length;
+    bytes[start..start + 12 * vertices]
+        .chunks(4)
+        .map(|word| f32::from_le_bytes([word[0], word[1], word[2], word[3]]))
+        .collect()
+}
+
+fn opened(folder: &std::path::Path) -> Client {
+    let pipeline = sample(folder);
+    let client = serve(folder, Some(Start::Pipeline(pipeline)));
+    for (i, v) in [0u64, 3, 5, 7, 9, 11].into_iter().enumerate() {
+        let point = json!({ "vertex": v });
+        client.edit(&format!("c{i}"), json!([{ "op": "add", "source": point, "target": point }]));
+    }
+    client.wait("/api/pipeline", |pipeline| pipeline["checking"] == false && pipeline["diagnostics"] == json!([]));
+    client
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_look_is_answered_with_frames_and_edits_with_new_ones() {
+    let folder = tempfile::tempdir().unwrap();
+    let client = opened(folder.path());
+    let mut socket = connect(&client).await;
+    let (hello, _) = wait(&mut socket, |message| message["type"] == "hello").await;
+    assert_eq!(hello["markers"], client.markers()["revision"]);
+    let all = ["source", "preview", "result", "truth"];
+    say(
+        &mut socket,
+        json!({ "type": "look", "look": 1, "pose": { "index": 0 }, "channels": all, "scalar": "edge_stretch" }),
+    )
+    .await;
+    let (source, bytes) = wait(&mut socket, |message| message["channel"] == "source" && message["look"] == 1).await;
+    assert_eq!(source["pose"], json!({ "index": 0 }));
+    assert_eq!(positions(&bytes, 162).len(), 3 * 162);
+    let (preview, bytes) =
+        wait(&mut socket, |message| message["channel"] == "preview" && !message["arrays"].is_null()).await;
+    let before = positions(&bytes, 642);
+    assert!(before.iter().all(|x| x.is_finite()) && preview["drag"].is_null());
+    let (result, bytes) =
+        wait(&mut socket, |message| message["channel"] == "result" && !message["arrays"].is_null()).await;
+    assert_eq!(result["scalar"]["name"], "edge_stretch", "{result:#}");
+    assert_eq!(result["arrays"][1]["length"], 642);
+    assert!(positions(&bytes, 642).iter().all(|x| x.is_finite()));
+    // A drag changes the preview, and no document.
+    let drag = json!({ "type": "drag", "drag": 4, "pair": 1, "side": "target", "point": { "vertex": 100 } });
+    say(&mut socket, drag).await;
+    let (dragged, bytes) = wait(&mut socket, |message| message["channel"] == "preview" && message["drag"] == 4).await;
+    assert_eq!(dragged["revision"], client.markers()["revision"]);
+    assert_ne!(positions(&bytes, 642), before);
+    // An edit ends it, and is told.
+    say(&mut socket, json!({ "type": "drag", "drag": 5, "pair": 1, "side": "target", "point": null })).await;
+    let moved = client.clone();
+    let edited = tokio::task::spawn_blocking(move || {
+        moved.edit("m", json!([{ "op": "move", "pair": 1, "side": "target", "point": { "vertex": 100 } }])).json()
+    });
+    let revision = edited.await.unwrap()["markers"]["revision"].clone();
+    wait(&mut socket, |message| message["type"] == "markers" && message["markers"]["revision"] == revision).await;
+    wait(&mut socket, |message| {
+        message["channel"] == "result" && message["revision"] == revision && !message["arrays"].is_null()
+    })
+    .await;
+    // At rest the target rests.
+    say(&mut socket, json!({ "type": "look", "look": 2, "pose": null, "channels": ["preview"] })).await;
+    let (_, bytes) = wait(&mut socket, |message| message["look"] == 2 && !message["arrays"].is_null()).await;
+    let mesh = {
+        let rest = client.clone();
+        tokio::task::spawn_blocking(move || rest.get("/api/mesh/target").body).await.unwrap()
+    };
+    let rest = positions(&mesh, 642);
+    let off = positions(&bytes, 642).iter().zip(&rest).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+    assert!(off < 1e-3, "{off}");
+    // Half of a shape moves the source half as far.
+    say(&mut socket, json!({ "type": "look", "look": 3, "pose": { "blend": [[0, 0.5]] }, "channels": ["source"] }))
+        .await;
+    let (_, bytes) = wait(&mut socket, |message| message["look"] == 3 && !message["arrays"].is_null()).await;
+    assert_eq!(positions(&bytes, 162).len(), 486);
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn messages_that_make_no_sense_are_answered() {
+    let folder = tempfile::tempdir().unwrap();
+    let client = opened(folder.path());
+    let mut socket = connect(&client).await;
+    let messages = [
+        "",
+        "{",
+        "null",
+        "[]",
+        "{}",
+        r#"{"type":"explode"}"#,
+        r#"{"type":"look","look":-1,"pose":null,"channels":[]}"#,
+        r#"{"type":"look","look":1,"pose":{"index":"x"},"channels":[]}"#,
+        r#"{"type":"drag","drag":1,"pair":1,"side":"up","point":null}"#,
+    ];
+    for message in messages {
+        socket.send(Message::text(message)).await.unwrap();
+        let (error, _) = wait(&mut socket, |answer| answer["type"] == "error").await;
+        assert_eq!(error["error"]["code"], "bad_request", "{message}");
+    }
+    socket.send(Message::binary(vec![0u8; 100])).await.unwrap();
+    wait(&mut socket, |answer| answer["type"] == "error").await;
+    say(&mut socket, json!({ "type": "look", "look": 1, "pose": { "index": 99 }, "channels": ["source"] })).await;
+    wait(&mut socket, |answer| {
+        answer["type"] == "error" && answer["error"]["message"].as_str().unwrap().contains("99")
+    })
+    .await;
+    say(&mut socket, json!({ "type": "look", "look": 2, "pose": null, "channels": ["source"] })).await;
+    wait(&mut socket, |answer| answer["look"] == 2).await;
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn floods_and_large_messages_close_the_socket_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let client = opened(folder.path());
+    let mut socket = connect(&client).await;
+    let flood = async {
+        loop {
+            if socket
+                .send(Message::text(r#"{"type":"drag","drag":1,"pair":1,"side":"source","point":null}"#))
+                .await
+                .is_err()
+            {
+                return None;
+            }
+            if let Ok(Some(Ok(Message::Close(frame)))) =
+                tokio::time::timeout(Duration::from_micros(10), socket.next()).await
+            {
+                return frame.map(|frame| u16::from(frame.code));
+            }
+        }
+    };
+    let code = tokio::time::timeout(Duration::from_secs(20), flood).await.expect("it is closed");
+    assert!(code.is_none_or(|code| code == 1008), "{code:?}");
+    let mut socket = connect(&client).await;
+    let _ = socket.send(Message::text("x".repeat(100_000))).await;
+    let closed = async {
+        while let Some(Ok(message)) = socket.next().await {
+            if message.is_close() {
+                break;
+            }
+        }
+    };
+    tokio::time::timeout(Duration::from_secs(10), closed).await.expect("it is closed");
+    let status = tokio::task::spawn_blocking(move || client.get("/api/session").status).await.unwrap();
+    assert_eq!(status, 200);
+}

@@ -1,0 +1,80 @@
+import { runControl } from '../stages/run.ts';
+import { button } from '../ui/controls.ts';
+import { fill, h } from '../ui/dom.ts';
+import { icon } from '../ui/icons.ts';
+import { effect } from '../ui/signal.ts';
+import { theme, toggleTheme } from '../ui/theme.ts';
+import { openAbout } from './about.ts';
+import type { Studio } from './studio.ts';
+
+/** The bar at the top: the project, whether it is saved, and what concerns all of it. */
+export function topBar(studio: Studio, help: () => void): HTMLElement {
+  const ready = () => studio.phase.value.name === 'ready';
+  const name = h('span', { class: 'project' });
+  const work = h(
+    'div',
+    { class: 'bar-work' },
+    button({ label: 'Open', icon: 'folder', run: () => studio.chooseFiles() }),
+    name,
+    saveState(studio),
+    h('span', { class: 'spacer' }),
+    button({
+      label: 'Undo',
+      keys: 'Ctrl Z',
+      icon: 'undo',
+      bare: true,
+      run: () => void studio.markers.undo(),
+      disabled: () => !studio.markers.document.value.can_undo && studio.markers.waiting.value === 0,
+    }),
+    button({
+      label: 'Redo',
+      keys: 'Ctrl Shift Z',
+      icon: 'redo',
+      bare: true,
+      run: () => void studio.markers.redo(),
+      disabled: () => !studio.markers.document.value.can_redo,
+    }),
+    runControl(studio),
+  );
+  effect(() => {
+    work.hidden = !ready();
+    name.textContent = studio.session.value?.name ?? '';
+  });
+  const dark = button({ label: 'Light or dark', icon: 'sun', bare: true, run: toggleTheme });
+  effect(() => fill(dark, icon(theme.value === 'dark' ? 'sun' : 'moon')));
+  return h(
+    'header',
+    { class: 'bar' },
+    h('span', { class: 'brand' }, 'mimesh'),
+    work,
+    h('span', { class: 'spacer' }),
+    dark,
+    button({ label: 'Keys and mouse', keys: '?', icon: 'help', bare: true, run: help }),
+    button({ label: 'About', icon: 'info', bare: true, run: () => void openAbout() }),
+  );
+}
+
+/** Whether every change is on disk, and whether there is a connection. */
+function saveState(studio: Studio): HTMLElement {
+  const element = h('span', { class: 'save-state', role: 'status', 'aria-live': 'polite' });
+  effect(() => {
+    const [level, text] = describe(studio);
+    element.dataset.level = level;
+    element.textContent = text;
+    element.title = studio.markers.document.value.file ?? '';
+  });
+  return element;
+}
+
+function describe(studio: Studio): ['good' | 'busy' | 'bad', string] {
+  const waiting = studio.markers.waiting.value;
+  const { disk, disk_error } = studio.markers.document.value;
+  if (studio.socket.connection.value !== 'open') {
+    const kept = waiting > 0 ? ` · ${waiting} kept in this browser` : '';
+    if (studio.refused.value) return ['bad', `The program was started anew: open the address that it printed${kept}`];
+    return ['bad', `No connection${kept || ' · trying again'}`];
+  }
+  if (disk === 'failed') return ['bad', `Not saved: ${disk_error ?? 'the file cannot be written'}`];
+  if (disk === 'changed_elsewhere') return ['bad', 'The file was changed by another program'];
+  return waiting > 0 ? ['busy', 'Saving …'] : ['good', 'Saved'];
+}

@@ -1,0 +1,238 @@
+import { Live } from '../live/live.ts';
+import { MarkerStore } from '../markers/store.ts';
+import { api, describeError, type Failure, RequestError, sentence } from '../protocol/client.ts';
+import { floats, words } from '../protocol/container.ts';
+import { Socket } from '../protocol/socket.ts';
+import type { FromServer, Job, OpenRequest, Point, Session, Side } from '../protocol/types.ts';
+import { PipelineStore } from '../stages/store.ts';
+import { rememberRecent } from '../start/recent.ts';
+import { notify } from '../ui/notices.ts';
+import { signal } from '../ui/signal.ts';
+import type { MeshData } from '../viewer/surface.ts';
+
+export type Phase =
+  | { name: 'loading'; text: string }
+  | { name: 'start' }
+  | ({ name: 'failed' } & Failure)
+  | { name: 'ready' };
+
+export type Panel = 'points' | 'result' | 'stages' | 'paint';
+
+export interface Meshes {
+  source: MeshData;
+  target: MeshData;
+}
+
+export interface DraggedPoint {
+  pair: number;
+  side: Side;
+  point: Point;
+}
+
+/** All that the page knows: the project, what is selected, and how things are shown. */
+export class Studio {
+  readonly socket = new Socket();
+  readonly live = new Live(this.socket);
+  readonly markers = new MarkerStore();
+  readonly pipeline = new PipelineStore();
+  readonly phase = signal<Phase>({ name: 'loading', text: 'Connecting …' });
+  readonly session = signal<Session | null>(null);
+  readonly meshes = signal<Meshes | null>(null);
+  readonly jobs = signal<Job[]>([]);
+  /** Whether the server is there but does not know this page. */
+  readonly refused = signal(false);
+  readonly panel = signal<Panel>('points');
+  readonly selected = signal<number | null>(null);
+  readonly hovered = signal<number | null>(null);
+  readonly dragged = signal<DraggedPoint | null>(null);
+  readonly hidden = { source: signal<ReadonlySet<number>>(new Set()), target: signal<ReadonlySet<number>>(new Set()) };
+  private loading = 0;
+
+  constructor() {
+    this.socket.onMessage = (message) => this.receive(message);
+    this.socket.onFrame = (frame) => this.live.receive(frame);
+    this.socket.onOpen = () => void this.connected();
+    this.socket.onLost = () => void this.lookForServer();
+    this.markers.onNotice = ({ text, hint }) => notify(text, hint);
+    this.markers.onRenumbered = (ids) => {
+      const id = this.selected.peek();
+      if (id !== null && ids.has(id)) this.selected.value = ids.get(id) ?? null;
+    };
+  }
+
+  start(): void {
+    this.socket.connect();
+    // Meshes need not wait for the WebSocket.
+    void this.load();
+  }
+
+  async open(what: OpenRequest): Promise<void> {
+    this.phase.value = { name: 'loading', text: 'Reading meshes …' };
+    try {
+      await this.show(await api.open(what));
+      rememberRecent(what);
+    } catch (error) {
+      this.phase.value = { name: 'failed', ...describeError(error) };
+    }
+  }
+
+  /** Back to the choice of files; what is open stays open on the server. */
+  chooseFiles(): void {
+    this.phase.value = { name: 'start' };
+  }
+
+  async load(): Promise<void> {
+    try {
+      await this.show(await api.session());
+    } catch (error) {
+      this.phase.value = { name: 'failed', ...describeError(error) };
+    }
+  }
+
+  async run(): Promise<void> {
+    try {
+      await this.markers.settled();
+      this.setJob(await api.run());
+      this.panel.value = 'result';
+    } catch (error) {
+      const { message, hint } = describeError(error);
+      notify(message, hint, 'error');
+    }
+  }
+
+  async cancel(job: Job): Promise<void> {
+    try {
+      this.setJob(await api.cancel(job.id));
+    } catch (error) {
+      notify(describeError(error).message, null, 'error');
+    }
+  }
+
+  async propose(others?: number): Promise<void> {
+    try {
+      await this.markers.settled();
+      this.setJob(await api.propose(others));
+    } catch (error) {
+      const { message, hint } = describeError(error);
+      notify(message, hint, 'error');
+    }
+  }
+
+  private async show(session: Session): Promise<void> {
+    const before = this.session.peek();
+    this.session.value = session;
+    if (session.project === null) {
+      this.phase.value = { name: 'start' };
+      return;
+    }
+    if (before?.project === session.project && this.meshes.peek()) {
+      this.phase.value = { name: 'ready' };
+      return;
+    }
+    this.loading += 1;
+    const turn = this.loading;
+    this.phase.value = { name: 'loading', text: 'Loading meshes …' };
+    const [source, target, markers, pipeline, jobs] = await Promise.all([
+      loadMesh('source'),
+      loadMesh('target'),
+      api.markers(),
+      api.pipeline(),
+      api.jobs(),
+    ]);
+    // Another project may have been opened meanwhile.
+    if (turn !== this.loading) return;
+    this.selected.value = null;
+    this.hidden.source.value = new Set();
+    this.hidden.target.value = new Set();
+    this.markers.open(session.project, markers.file ?? session.name ?? '', markers);
+    this.pipeline.open(pipeline);
+    this.jobs.value = jobs;
+    this.meshes.value = { source, target };
+    this.live.open(session.project);
+    this.phase.value = { name: 'ready' };
+    document.title = `${session.name ?? 'mimesh'} – mimesh studio`;
+  }
+
+  /** A connection was made, perhaps after one was lost: what happened meanwhile is fetched. */
+  private async connected(): Promise<void> {
+    if (this.meshes.peek() === null) return;
+    try {
+      const before = this.session.peek();
+      const session = await api.session();
+      // A server that was started anew counts projects anew, so the numbers alone do not tell whether the meshes are the same.
+      if (before?.project !== session.project || !sameMeshes(before, session)) this.meshes.value = null;
+      await this.show(session);
+      this.markers.reopen(await api.markers());
+      this.pipeline.open(await api.pipeline());
+      this.live.reconnect();
+    } catch (error) {
+      notify(describeError(error).message, null, 'error');
+    }
+  }
+
+  /** A server that was started anew has another token, which is no fault of the connection. */
+  private async lookForServer(): Promise<void> {
+    try {
+      await api.session();
+      this.refused.value = false;
+    } catch (error) {
+      this.refused.value = error instanceof RequestError && (error.status === 401 || error.status === 403);
+    }
+  }
+
+  private receive(message: FromServer): void {
+    switch (message.type) {
+      case 'hello':
+        break;
+      case 'session':
+        // Another page opened files; the one that did so has them already.
+        if (message.session.project !== this.session.peek()?.project) void this.show(message.session).catch(() => {});
+        else this.session.value = message.session;
+        break;
+      case 'markers':
+        this.markers.receive(message.markers);
+        if (message.cause === 'disk') notify('The markers were changed by another program, and were read again.');
+        break;
+      case 'pipeline':
+        this.pipeline.receive(message.pipeline);
+        if (message.cause === 'disk') notify('The pipeline was changed by another program, and was read again.');
+        break;
+      case 'job':
+        this.setJob(message.job);
+        break;
+      case 'live':
+        this.live.setState(message);
+        break;
+      case 'worst':
+        this.live.worst.value = message.list;
+        break;
+      case 'error':
+        notify(sentence(message.error.message), message.error.hint, 'error');
+    }
+  }
+
+  private setJob(job: Job): void {
+    const before = this.jobs.peek().find((other) => other.id === job.id);
+    const others = this.jobs.peek().filter((other) => other.id !== job.id);
+    this.jobs.value = [job, ...others].sort((a, b) => b.id - a.id);
+    if (before?.state === job.state) return;
+    if (job.state === 'failed') notify(sentence(job.error?.message ?? 'it failed'), job.error?.hint, 'error');
+    if (job.state === 'done') notify(job.kind === 'run' ? 'The run is done.' : 'New proposals are there.');
+  }
+}
+
+function sameMeshes(a: Session, b: Session): boolean {
+  const facts = ({ source, target }: Session) => JSON.stringify([source, target]);
+  return facts(a) === facts(b);
+}
+
+async function loadMesh(side: Side): Promise<MeshData> {
+  const { arrays } = await api.mesh(side);
+  return {
+    positions: floats(arrays, 'positions'),
+    triangles: words(arrays, 'triangles'),
+    components: words(arrays, 'components'),
+    welded: words(arrays, 'welded'),
+    edges: words(arrays, 'edges'),
+  };
+}

@@ -1,0 +1,25 @@
+import './styles/page.css';
+import { mount } from './app/shell.ts';
+import { Studio } from './app/studio.ts';
+import { h } from './ui/dom.ts';
+
+const root = document.getElementById('app');
+if (!root) throw new Error('the page has no element #app');
+
+try {
+  const studio = new Studio();
+  const stage = mount(root, studio);
+  studio.start();
+  // For tests by mouse: they must know where a point of a mesh is on the screen.
+  Object.assign(window, { mimesh: { studio, stage } });
+} catch (error) {
+  // Nothing can be shown without WebGL, so the reason is all there is to show.
+  const reason = error instanceof Error ? error.message : String(error);
+  root.replaceChildren(
+    h(
+      'main',
+      { class: 'cover' },
+      h('div', { class: 'message failed', role: 'alert' }, h('h1', {}, 'The studio cannot start'), h('p', {}, reason)),
+    ),
+  );
+}

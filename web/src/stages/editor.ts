@@ -1,0 +1,112 @@
+import type { Studio } from '../app/studio.ts';
+import type { Diagnostic } from '../protocol/types.ts';
+import { fill, h } from '../ui/dom.ts';
+import { icon } from '../ui/icons.ts';
+import { effect } from '../ui/signal.ts';
+
+const SAVE_AFTER_MILLISECONDS = 500;
+
+/** The text of the pipeline, with numbers of lines and marks at those with faults. It is saved shortly after the last key. */
+export function yamlEditor(studio: Studio): HTMLElement {
+  const gutter = h('div', { class: 'gutter', 'aria-hidden': 'true' });
+  const text = h('textarea', {
+    class: 'yaml',
+    spellcheck: 'false',
+    wrap: 'off',
+    autocapitalize: 'off',
+    'aria-label': 'Pipeline as YAML',
+    oninput: () => changed(),
+    onscroll: () => {
+      gutter.style.transform = `translateY(${-text.scrollTop}px)`;
+    },
+    onkeydown: (event: KeyboardEvent) => indent(text, event),
+  });
+  const faults = h('ul', { class: 'faults', 'aria-label': 'Faults', 'aria-live': 'polite' });
+  const state = h('p', { class: 'muted', role: 'status' });
+  let timer = 0;
+  /** The revision that the text began with; null while the text is the saved one. */
+  let base: number | null = null;
+
+  function changed(): void {
+    base ??= studio.pipeline.pipeline.peek()?.revision ?? 0;
+    drawGutter();
+    window.clearTimeout(timer);
+    timer = window.setTimeout(() => void save(), SAVE_AFTER_MILLISECONDS);
+  }
+
+  async function save(): Promise<void> {
+    const revision = base;
+    if (revision === null) return;
+    const sent = text.value;
+    await studio.pipeline.setText(revision, sent);
+    // Keys that were pressed meanwhile go on from what was just saved.
+    base = text.value === sent ? null : (studio.pipeline.pipeline.peek()?.revision ?? revision);
+  }
+
+  function drawGutter(): void {
+    const bad = new Set((studio.pipeline.pipeline.peek()?.diagnostics ?? []).map((one) => one.line));
+    const count = text.value.split('\n').length;
+    fill(gutter, ...Array.from({ length: count }, (_, i) => h('span', { class: bad.has(i + 1) ? 'bad' : '' }, i + 1)));
+  }
+
+  effect(() => {
+    const pipeline = studio.pipeline.pipeline.value;
+    if (!pipeline) return;
+    if (base === null && text.value !== pipeline.text) text.value = pipeline.text;
+    drawGutter();
+    fill(faults, ...pipeline.diagnostics.map((one) => h('li', {}, faultButton(text, one))));
+    faults.hidden = pipeline.diagnostics.length === 0;
+  });
+  effect(() => {
+    const pipeline = studio.pipeline.pipeline.value;
+    const name = pipeline?.file ?? '';
+    state.textContent =
+      pipeline?.disk === 'failed'
+        ? `${name} cannot be saved: ${pipeline.disk_error ?? ''}`
+        : studio.pipeline.saving.value
+          ? `Saving ${name} …`
+          : pipeline?.checking
+            ? `${name} · checking …`
+            : pipeline?.exists
+              ? `${name} · saved`
+              : `${name} · not written yet`;
+  });
+  return h(
+    'section',
+    { class: 'editor', 'aria-label': 'Text' },
+    state,
+    h('div', { class: 'editor-text' }, h('div', { class: 'gutter-clip' }, gutter), text),
+    faults,
+  );
+}
+
+function faultButton(text: HTMLTextAreaElement, fault: Diagnostic): HTMLElement {
+  return h(
+    'button',
+    { type: 'button', class: `fault ${fault.level}`, onclick: () => goTo(text, fault) },
+    icon('warning'),
+    h(
+      'span',
+      {},
+      fault.line === null ? '' : `Line ${fault.line}: `,
+      fault.message,
+      fault.hint ? ` – ${fault.hint}` : null,
+    ),
+  );
+}
+
+function goTo(text: HTMLTextAreaElement, fault: Diagnostic): void {
+  if (fault.line === null) return;
+  const before = text.value.split('\n').slice(0, fault.line - 1);
+  const start = before.reduce((sum, line) => sum + line.length + 1, 0) + (fault.column ?? 1) - 1;
+  text.focus();
+  text.setSelectionRange(start, start + (fault.length ?? 0));
+}
+
+/** Tab indents, as YAML wants blanks; Escape and then Tab leaves the text. */
+function indent(text: HTMLTextAreaElement, event: KeyboardEvent): void {
+  if (event.key !== 'Tab' || event.shiftKey) return;
+  event.preventDefault();
+  text.setRangeText('  ', text.selectionStart, text.selectionEnd, 'end');
+  text.dispatchEvent(new Event('input'));
+}

@@ -1,0 +1,72 @@
+import { api, describeError, RequestError } from '../protocol/client.ts';
+import type { Pipeline, Step } from '../protocol/types.ts';
+import { notify } from '../ui/notices.ts';
+import { signal } from '../ui/signal.ts';
+
+/** The pipeline in the page. Changes are sent one after another, each on the revision that the one before made. */
+export class PipelineStore {
+  readonly pipeline = signal<Pipeline | null>(null);
+  readonly saving = signal(false);
+  /** What another page or program wrote while this page had a change of its own. */
+  readonly conflict = signal<Pipeline | null>(null);
+  private chain: Promise<void> = Promise.resolve();
+
+  /** The pipeline of another project, or of a server that was started anew: its revisions are not those from before. */
+  open(pipeline: Pipeline): void {
+    this.conflict.value = null;
+    this.pipeline.value = pipeline;
+  }
+
+  receive(pipeline: Pipeline): void {
+    const present = this.pipeline.peek();
+    if (present && pipeline.revision < present.revision) return;
+    this.pipeline.value = pipeline;
+  }
+
+  set(path: Step[], value: unknown): Promise<void> {
+    return this.change((base) => api.setValue(base, path, value));
+  }
+
+  unset(path: Step[]): Promise<void> {
+    return this.change((base) => api.unsetValue(base, path));
+  }
+
+  setText(base: number, text: string): Promise<void> {
+    return this.change(() => api.putPipeline(base, text));
+  }
+
+  private change(send: (base: number) => Promise<Pipeline>): Promise<void> {
+    this.saving.value = true;
+    const step = this.chain.then(async () => {
+      try {
+        this.receive(await send(this.pipeline.peek()?.revision ?? 0));
+        this.conflict.value = null;
+      } catch (error) {
+        this.failed(error);
+      }
+    });
+    this.chain = step;
+    return step.finally(() => {
+      if (this.chain === step) this.saving.value = false;
+    });
+  }
+
+  private failed(error: unknown): void {
+    if (error instanceof RequestError && error.status === 409 && isConflict(error.body)) {
+      this.conflict.value = error.body.conflict;
+      this.receive(error.body.conflict);
+      notify(
+        'The pipeline was changed elsewhere. Your last change was not saved.',
+        'Look at the present text and change it again.',
+        'error',
+      );
+      return;
+    }
+    const { message, hint } = describeError(error);
+    notify(message, hint, 'error');
+  }
+}
+
+function isConflict(body: unknown): body is { conflict: Pipeline } {
+  return body !== null && typeof body === 'object' && 'conflict' in body;
+}

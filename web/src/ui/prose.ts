@@ -1,0 +1,14 @@
+import { h } from './dom.ts';
+
+/** Doc comments as elements: paragraphs, and code between backticks. The rest of Markdown stays as it is written. */
+export function prose(text: string): HTMLElement[] {
+  return text
+    .split(/\n\s*\n/)
+    .map((paragraph) => paragraph.replace(/\s*\n\s*/g, ' ').trim())
+    .filter((paragraph) => paragraph !== '')
+    .map((paragraph) => h('p', {}, ...paragraph.split(/(`[^`]+`)/).map(inline)));
+}
+
+function inline(piece: string): Node | string {
+  return piece.startsWith('`') && piece.length > 2 ? h('code', {}, piece.slice(1, -1)) : piece;
+}

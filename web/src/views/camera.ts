@@ -1,0 +1,86 @@
+import type { Vector3 } from 'three';
+import { display } from '../app/display.ts';
+import { cloneOrbit, facing, type Orbit, pan, turn, wholeOrbit, zoom } from '../viewer/orbit.ts';
+import type { Viewer } from '../viewer/viewer.ts';
+import type { Pane } from './pane.ts';
+import type { PaneCamera } from './pointer.ts';
+
+const RADIANS_PER_PIXEL = 0.008;
+const NEAR = 0.8;
+
+/** Moves the cameras of the panes: all alike while they are linked. */
+export class StageCamera implements PaneCamera {
+  private readonly viewer: Viewer;
+  private readonly panes: () => readonly Pane[];
+
+  constructor(viewer: Viewer, panes: () => readonly Pane[]) {
+    this.viewer = viewer;
+    this.panes = panes;
+  }
+
+  turn(pane: Pane, x: number, y: number): void {
+    this.change(pane, (orbit) => turn(orbit, x * RADIANS_PER_PIXEL, y * RADIANS_PER_PIXEL));
+  }
+
+  pan(pane: Pane, x: number, y: number): void {
+    const { width, height } = pane.view;
+    this.change(pane, (orbit, aspect) => pan(orbit, (2 * x) / width, (-2 * y) / height, aspect));
+  }
+
+  zoom(pane: Pane, factor: number, x: number, y: number): void {
+    const [deviceX, deviceY] = pane.view.toDevice(x, y);
+    this.change(pane, (orbit, aspect) => zoom(orbit, factor, deviceX, deviceY, aspect));
+  }
+
+  /** Takes all cameras to the side of one; what they look at stays. */
+  link(pane: Pane): void {
+    const { yaw, pitch, distance } = pane.view.orbit;
+    for (const other of this.panes()) {
+      if (other !== pane)
+        other.view.flyTo({ ...cloneOrbit(other.view.orbit), yaw, pitch, distance }, performance.now());
+    }
+    this.viewer.invalidate(true);
+  }
+
+  /** The whole mesh, from the side that a person looked from, or from another one. */
+  whole(yaw?: number, pitch?: number): void {
+    for (const pane of this.panes()) {
+      const { orbit } = pane.view;
+      const goal: Orbit = { ...wholeOrbit(), yaw: yaw ?? orbit.yaw, pitch: pitch ?? orbit.pitch };
+      pane.view.flyTo(goal, performance.now());
+    }
+    this.viewer.invalidate(true);
+  }
+
+  /** Brings each pane to its place of a point. Linked panes keep one direction, that of the first place. */
+  flyTo(places: Map<Pane, { position: Vector3; normal: Vector3 }>): void {
+    let direction: Orbit | null = null;
+    for (const [pane, { position, normal }] of places) {
+      const goal = facing(position, normal, NEAR);
+      if (direction && display.linked.peek()) {
+        goal.yaw = direction.yaw;
+        goal.pitch = direction.pitch;
+      }
+      direction ??= goal;
+      pane.view.flyTo(goal, performance.now());
+    }
+    if (direction && display.linked.peek()) this.follow(direction, places);
+    this.viewer.invalidate(true);
+  }
+
+  /** Linked panes that have no place to fly to see their whole mesh from the same side. */
+  private follow({ yaw, pitch }: Orbit, places: Map<Pane, unknown>): void {
+    for (const pane of this.panes()) {
+      if (!places.has(pane)) pane.view.flyTo({ ...wholeOrbit(), yaw, pitch }, performance.now());
+    }
+  }
+
+  private change(pane: Pane, apply: (orbit: Orbit, aspect: number) => void): void {
+    const changed = display.linked.peek() ? this.panes() : [pane];
+    for (const { view } of changed) {
+      view.stopFlight();
+      apply(view.orbit, view.aspect);
+    }
+    this.viewer.invalidate(true);
+  }
+}

@@ -1,0 +1,108 @@
+import { display, type TargetContent } from '../app/display.ts';
+import type { Studio } from '../app/studio.ts';
+import { legend } from '../live/legend.ts';
+import { pairTitle } from '../markers/order.ts';
+import type { Side } from '../protocol/types.ts';
+import { select } from '../ui/controls.ts';
+import { h } from '../ui/dom.ts';
+import { computed, effect } from '../ui/signal.ts';
+import type { Up } from '../viewer/frame.ts';
+import type { Pane } from './pane.ts';
+
+/** Fills the corners of a pane: what it shows, the axis that points up, what a click will do, and the legend. */
+export function furnishPane(pane: Pane, studio: Studio): void {
+  pane.head.append(contents(pane, studio), upAxis(pane.side, studio));
+  if (pane.role === 'result') pane.head.append(badge(studio));
+  pane.foot.append(hint(pane, studio));
+  if (pane.role === 'result') pane.foot.append(legend(studio));
+}
+
+function contents(pane: Pane, studio: Studio): HTMLElement {
+  if (pane.role === 'rest') return h('span', {});
+  if (pane.role === 'source') {
+    return select({
+      label: 'Source shows',
+      quiet: true,
+      options: () => [
+        { value: 'pose', label: 'In pose' },
+        { value: 'rest', label: 'At rest' },
+      ],
+      value: () => (display.sourceAtRest.value ? 'rest' : 'pose'),
+      change: (value) => {
+        display.sourceAtRest.value = value === 'rest';
+      },
+    });
+  }
+  return select<TargetContent>({
+    label: 'Target shows',
+    quiet: true,
+    options: () => [
+      { value: 'result', label: 'Result' },
+      { value: 'rest', label: 'At rest' },
+      { value: 'over_rest', label: 'Result over rest' },
+      ...(studio.session.value?.has_truth
+        ? ([
+            { value: 'truth', label: 'Truth' },
+            { value: 'over_truth', label: 'Result over truth' },
+          ] as const)
+        : []),
+    ],
+    value: () => display.target.value,
+    change: (value) => {
+      display.target.value = value;
+    },
+  });
+}
+
+function upAxis(side: Side, studio: Studio): HTMLElement {
+  return select<Up>({
+    label: `Axis of the ${side} that points up`,
+    quiet: true,
+    options: () => [
+      { value: 'y', label: 'Y up' },
+      { value: 'z', label: 'Z up' },
+      { value: 'x', label: 'X up' },
+    ],
+    value: () => display.up[side].value ?? studio.session.value?.[side]?.up ?? 'y',
+    change: (value) => {
+      display.up[side].value = value;
+    },
+  });
+}
+
+/** Whether the target shows the quick preview or the pipeline's own result. */
+function badge(studio: Studio): HTMLElement {
+  const element = h('span', { class: 'shown-badge', role: 'status' });
+  // Frames come many times a second; the page changes only when the words do.
+  const text = computed(() => {
+    const channel = studio.live.target.value?.header.channel;
+    const computing = studio.live.states.value.result?.state === 'computing';
+    const content = display.target.value;
+    if (!channel || content === 'rest' || content === 'truth') return '';
+    return channel === 'result' ? 'Result' : computing ? 'Preview, result follows' : 'Preview';
+  });
+  effect(() => {
+    element.hidden = text.value === '';
+    element.textContent = text.value;
+  });
+  return element;
+}
+
+function hint(pane: Pane, studio: Studio): HTMLElement {
+  const element = h('p', { class: 'pane-hint' });
+  const selected = () => studio.markers.pairs.value.find((pair) => pair.id === studio.selected.value);
+  const text = computed(() => {
+    const pair = selected();
+    if (studio.panel.value === 'paint') return '';
+    if (!pair) return 'Click to begin a pair';
+    if (pair[pane.side] === null) return `Click to set ${pairTitle(pair)}`;
+    return `Click or drag to move ${pairTitle(pair)} · Esc to let go`;
+  });
+  effect(() => {
+    element.textContent = text.value;
+  });
+  effect(() => {
+    element.classList.toggle('wanted', selected()?.[pane.side] === null);
+  });
+  return element;
+}

@@ -1,0 +1,226 @@
+import { display } from '../app/display.ts';
+import type { Meshes, Studio } from '../app/studio.ts';
+import { MarkerTool } from '../markers/tool.ts';
+import type { Point, Session } from '../protocol/types.ts';
+import { h } from '../ui/dom.ts';
+import { effect, signal } from '../ui/signal.ts';
+import { theme } from '../ui/theme.ts';
+import type { ColourMapName } from '../viewer/colours.ts';
+import type { MeshData } from '../viewer/surface.ts';
+import { Viewer } from '../viewer/viewer.ts';
+import { StageCamera } from './camera.ts';
+import { labelsOf, sameLabels } from './labels.ts';
+import { paletteOf } from './palette.ts';
+import { Pane, type Role } from './pane.ts';
+import { listenToPointer, type PaneTool } from './pointer.ts';
+
+const XRAY_OPACITY = 0.35;
+const GHOST_OPACITY = 0.4;
+const NONE: ReadonlySet<number> = new Set();
+
+/** The panes with both meshes, kept in step with what the studio knows. */
+export class Stage {
+  readonly element = h('div', { class: 'stage' });
+  readonly viewer: Viewer;
+  readonly camera: StageCamera;
+  readonly markerTool: MarkerTool;
+  readonly panes = signal<Pane[]>([]);
+  /** What the hand does; painting replaces the setting of points. */
+  readonly tool = signal<PaneTool>(null as unknown as PaneTool);
+  /** Colours that a tool shows in place of those of the result. */
+  readonly painted = signal<{ side: string; values: Float32Array } | null>(null);
+  /** Components that a tool has chosen or hovers over. */
+  readonly tinted = signal<{ side: string; components: ReadonlySet<number> } | null>(null);
+  private readonly studio: Studio;
+  /** Count changes that later steps depend on: effects of one signal run in no fixed order. */
+  private readonly surfaces = signal(0);
+  private readonly moved = signal(0);
+  private readonly ghosts = signal(0);
+  private readonly made = new Map<Role, Pane>();
+
+  constructor(studio: Studio) {
+    this.studio = studio;
+    this.viewer = new Viewer(this.element);
+    this.camera = new StageCamera(this.viewer, () => this.panes.peek());
+    this.markerTool = new MarkerTool(studio);
+    this.tool.value = this.markerTool;
+    effect(() => this.arrange(display.threeViews.value ? ['source', 'rest', 'result'] : ['source', 'result']));
+    effect(() => this.showMeshes(this.panes.value, studio.meshes.value, studio.session.peek()));
+    effect(() => this.showPositions());
+    effect(() => this.showValues());
+    effect(() => this.showLook());
+    effect(() => this.showHidden());
+    effect(() => this.showTint());
+    effect(() => this.showLabels());
+  }
+
+  pane(role: Role): Pane | null {
+    return this.panes.peek().find((pane) => pane.role === role) ?? null;
+  }
+
+  /** The pane of the keyboard, else that below the pointer, else the source. */
+  activePane(): Pane | null {
+    const panes = this.panes.peek();
+    return (
+      panes.find((pane) => pane.surfaceElement === document.activeElement) ??
+      panes.find((pane) => pane.pointer !== null) ??
+      panes[0] ??
+      null
+    );
+  }
+
+  /** Flies to a pair, or to any points of both meshes. */
+  flyToPoints(source: Point | null, target: Point | null): void {
+    const places = new Map();
+    for (const pane of this.panes.peek()) {
+      const point = pane.side === 'source' ? source : target;
+      const place = point && pane.locate(point);
+      if (place) places.set(pane, place);
+    }
+    this.camera.flyTo(places);
+  }
+
+  private arrange(roles: Role[]): void {
+    const shown = roles.map((role) => this.made.get(role) ?? this.makePane(role));
+    for (const pane of this.panes.peek()) if (!shown.includes(pane)) pane.detach();
+    for (const pane of shown) pane.attach(this.element);
+    this.element.dataset.panes = String(shown.length);
+    this.panes.value = shown;
+    this.viewer.invalidate();
+  }
+
+  private makePane(role: Role): Pane {
+    const pane = new Pane(this.viewer, role);
+    listenToPointer(pane, () => this.tool.peek(), this.camera);
+    this.made.set(role, pane);
+    return pane;
+  }
+
+  private showMeshes(panes: Pane[], meshes: Meshes | null, session: Session | null): void {
+    for (const pane of panes) {
+      if (!meshes) pane.clear();
+      else if (pane.surface?.rest !== meshes[pane.side].positions) {
+        pane.show(meshes[pane.side], display.up[pane.side].value ?? session?.[pane.side]?.up ?? 'y');
+      } else pane.surface.setUp(display.up[pane.side].value ?? session?.[pane.side]?.up ?? 'y');
+    }
+    this.surfaces.value = this.surfaces.peek() + 1;
+    this.viewer.invalidate();
+  }
+
+  private showPositions(): void {
+    void this.surfaces.value;
+    const { live, meshes } = this.studio;
+    const data = meshes.peek();
+    const source = display.sourceAtRest.value ? null : (live.source.value?.positions ?? null);
+    const result = live.target.value?.positions ?? null;
+    const truth = live.truth.value?.positions ?? null;
+    const content = display.target.value;
+    live.wantsTruth.value = content === 'truth' || content === 'over_truth';
+    if (!data) return;
+    const rest = data.target.positions;
+    const main = content === 'rest' ? null : content === 'truth' ? truth : result;
+    const over = content === 'over_truth' ? (truth ?? rest) : content === 'over_rest' ? rest : null;
+    const shown = { source: source ?? data.source.positions, rest, result: main ?? rest };
+    const changed = this.panes.peek().filter((pane) => {
+      const moved = pane.surface?.setPositions(shown[pane.role]) ?? false;
+      return (pane.role === 'result' && this.showGhost(pane, data.target, over)) || moved;
+    });
+    this.moved.value = this.moved.peek() + 1;
+    this.invalidate(changed);
+  }
+
+  private showGhost(pane: Pane, data: MeshData, positions: Float32Array | null): boolean {
+    const came = pane.showGhost(positions ? data : null);
+    if (came) this.ghosts.value = this.ghosts.peek() + 1;
+    const moved = positions !== null && (pane.ghost?.setPositions(positions) ?? false);
+    return came || moved;
+  }
+
+  /** What moves is drawn only where it is seen. */
+  private invalidate(panes: readonly Pane[]): void {
+    this.viewer.invalidate(
+      true,
+      panes.map((pane) => pane.view),
+    );
+  }
+
+  private showValues(): void {
+    void this.surfaces.value;
+    const { live } = this.studio;
+    const painted = this.painted.value;
+    const shown = display.target.value === 'truth' ? live.truth.value : live.target.value;
+    const named = live.scalar.value;
+    const changed = this.panes.peek().filter(({ surface, side, role }) => {
+      if (painted) return surface?.setValues(painted.side === side ? painted.values : null, 'mask', 0, 1);
+      if (role === 'result' && named && shown?.values && shown.scalar?.name === named) {
+        return surface?.setValues(shown.values, mapOf(named), shown.scalar.low, shown.scalar.high);
+      }
+      return surface?.setValues(null);
+    });
+    this.invalidate(changed);
+  }
+
+  private showLook(): void {
+    const palette = paletteOf(theme.value);
+    const [wireframe, xray] = [display.wireframe.value, display.xray.value];
+    void [this.surfaces.value, this.ghosts.value];
+    this.viewer.gap.copy(palette.gap);
+    for (const pane of this.panes.peek()) {
+      pane.view.background.copy(palette.background);
+      pane.view.transparent = xray;
+      pane.surface?.setLook(palette[pane.side], palette.line);
+      pane.surface?.setWireframe(wireframe);
+      pane.surface?.setOpacity(xray ? XRAY_OPACITY : 1);
+      pane.ghost?.setLook(palette.ghost, palette.line);
+      pane.ghost?.setOpacity(GHOST_OPACITY);
+    }
+    this.viewer.invalidate();
+  }
+
+  private showHidden(): void {
+    const hidden = { source: this.studio.hidden.source.value, target: this.studio.hidden.target.value };
+    void [this.surfaces.value, display.target.value];
+    for (const pane of this.panes.peek()) {
+      pane.surface?.hide(hidden[pane.side]);
+      pane.ghost?.hide(hidden[pane.side]);
+    }
+    this.viewer.invalidate();
+  }
+
+  private showTint(): void {
+    void this.surfaces.value;
+    const tinted = this.tinted.value;
+    for (const pane of this.panes.peek()) pane.surface?.tint(tinted?.side === pane.side ? tinted.components : NONE);
+    this.viewer.invalidate();
+  }
+
+  private showLabels(): void {
+    const { studio } = this;
+    const state = {
+      pairs: studio.markers.pairs.value,
+      selected: studio.selected.value,
+      hovered: studio.hovered.value,
+      dragged: studio.dragged.value,
+    };
+    // Points follow the surfaces that they lie on.
+    void this.moved.value;
+    const changed = this.panes.peek().filter((pane) => {
+      const labels = labelsOf(pane, state);
+      const same = sameLabels(pane.view.labels, labels);
+      pane.view.labels = labels;
+      return !same;
+    });
+    this.invalidate(changed);
+  }
+}
+
+const MAPS: Record<string, ColourMapName> = {
+  error: 'error',
+  stretch: 'stretch',
+  gaps: 'gaps',
+  confidence: 'confidence',
+};
+
+export function mapOf(scalar: string): ColourMapName {
+  return MAPS[scalar] ?? 'error';
+}

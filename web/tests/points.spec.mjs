@@ -1,0 +1,180 @@
+// Points by real mouse and keyboard.
+import assert from 'node:assert/strict';
+import { after, before, test } from 'node:test';
+import { launch, openPage, pointOnScreen, serve } from './browser.mjs';
+
+let browser;
+let server;
+
+before(async () => {
+  [browser, server] = await Promise.all([launch(), serve({ resolution: 60 })]);
+});
+
+after(async () => {
+  await browser?.close();
+  await server?.close();
+});
+
+function pairs(page) {
+  return page.evaluate(() => window.mimesh.studio.markers.pairs.peek());
+}
+
+/** Waits until the server has every edit. */
+async function saved(page) {
+  await page.evaluate(() => window.mimesh.studio.markers.settled());
+}
+
+async function pairWith(page, test) {
+  return (await pairs(page)).find(test);
+}
+
+test('a drag moves the point over the surface, undo brings it back, and both outlive a reload', async () => {
+  const page = await openPage(browser, server.url);
+  const pair = await pairWith(page, (one) => one.source && one.target && one.status === 'confirmed');
+  const from = await pointOnScreen(page, 'result', pair.id);
+  await page.mouse.move(from.x, from.y);
+  await page.mouse.down();
+  await page.mouse.move(from.x - 22, from.y + 8, { steps: 6 });
+  await page.waitForFunction(() => window.mimesh.studio.dragged.peek() !== null);
+  await page.mouse.up();
+  await saved(page);
+  const moved = (await pairs(page)).find((one) => one.id === pair.id);
+  assert.notDeepEqual(moved.target, pair.target);
+  assert.ok(Math.abs(moved.target.barycentric.reduce((sum, weight) => sum + weight, 0) - 1) < 1e-9);
+  await page.reload();
+  await page.waitForFunction(() => window.mimesh?.studio.phase.peek().name === 'ready');
+  assert.deepEqual((await pairs(page)).find((one) => one.id === pair.id).target, moved.target);
+  await page.keyboard.press('Control+z');
+  await page.waitForFunction(
+    ([id, point]) => JSON.stringify(window.mimesh.studio.markers.pair(id).target) === point,
+    [pair.id, JSON.stringify(pair.target)],
+  );
+  await page.keyboard.press('Control+Shift+z');
+  await page.waitForFunction(
+    ([id, point]) => JSON.stringify(window.mimesh.studio.markers.pair(id).target) === point,
+    [pair.id, JSON.stringify(moved.target)],
+  );
+  assert.deepEqual(page.errors, []);
+  await page.close();
+});
+
+test('a click on each mesh makes a pair, and Shift snaps to a vertex', async () => {
+  const page = await openPage(browser, server.url);
+  const count = (await pairs(page)).length;
+  const [source, target] = await centres(page);
+  await page.mouse.click(source.x, source.y);
+  await page.waitForFunction((n) => window.mimesh.studio.markers.pairs.peek().length === n, count + 1);
+  await page.keyboard.down('Shift');
+  await page.mouse.click(target.x, target.y);
+  await page.keyboard.up('Shift');
+  await saved(page);
+  const made = (await pairs(page)).at(-1);
+  assert.ok('triangle' in made.source);
+  assert.ok('vertex' in made.target);
+  assert.equal(made.status, 'confirmed');
+  assert.equal(await page.evaluate(() => window.mimesh.studio.selected.peek()), null);
+  assert.deepEqual(page.errors, []);
+  await page.close();
+});
+
+test('everything is done by keys alone', async () => {
+  const page = await openPage(browser, server.url);
+  const proposed = (await pairs(page)).filter((one) => one.status === 'proposed').length;
+  await page.keyboard.press('j');
+  await page.waitForFunction(() => window.mimesh.studio.selected.peek() !== null);
+  const first = await page.evaluate(() => window.mimesh.studio.selected.peek());
+  await page.keyboard.press('r');
+  await page.keyboard.type('chosen by keys');
+  await page.keyboard.press('Enter');
+  await saved(page);
+  assert.equal((await pairs(page)).find((one) => one.id === first).name, 'chosen by keys');
+  // The first of the list may lack a partner, which cannot be confirmed.
+  await page.keyboard.press('j');
+  await page.keyboard.press('c');
+  await page.keyboard.press('s');
+  await saved(page);
+  assert.equal((await pairs(page)).filter((one) => one.status === 'proposed').length, proposed - 2);
+  await page.keyboard.press('Escape');
+  // A point at the centre of a view, pushed about.
+  await page.keyboard.press('Home');
+  await page.waitForTimeout(500);
+  await page.focus('.pane-source .pane-surface');
+  const count = (await pairs(page)).length;
+  await page.keyboard.press('Enter');
+  await saved(page);
+  const made = (await pairs(page)).at(-1);
+  assert.equal((await pairs(page)).length, count + 1);
+  await page.keyboard.press('Alt+ArrowRight');
+  await page.keyboard.press('Alt+ArrowRight');
+  await saved(page);
+  assert.notDeepEqual((await pairs(page)).at(-1).source, made.source);
+  await page.keyboard.press('Delete');
+  await saved(page);
+  assert.equal((await pairs(page)).length, count);
+  assert.deepEqual(page.errors, []);
+  await page.close();
+});
+
+test('two pages see each other, and the later of two edits of one point is told', {
+  skip: !!process.env.MIMESH_STUDIO_URL,
+}, async () => {
+  const [one, two] = [await openPage(browser, server.url), await openPage(browser, server.url)];
+  const pair = await pairWith(one, (other) => other.source && other.target);
+  const edit = (page, vertex) =>
+    page.evaluate(
+      ([id, v]) =>
+        void window.mimesh.studio.markers.edit({ op: 'move', pair: id, side: 'target', point: { vertex: v } }),
+      [pair.id, vertex],
+    );
+  await Promise.all([edit(one, 10), edit(two, 20)]);
+  await Promise.all([saved(one), saved(two)]);
+  await one.waitForTimeout(200);
+  const [a, b] = [await pairs(one), await pairs(two)];
+  assert.deepEqual(a.find((other) => other.id === pair.id).target, b.find((other) => other.id === pair.id).target);
+  const conflicts = (await one.locator('.conflict').count()) + (await two.locator('.conflict').count());
+  assert.equal(conflicts, 1);
+  await Promise.all([one.close(), two.close()]);
+});
+
+test('edits without a connection wait in the browser and are sent when it is back', {
+  skip: !!process.env.MIMESH_STUDIO_URL,
+}, async () => {
+  const own = await serve({ resolution: 40 });
+  const page = await openPage(browser, own.url);
+  const pair = await pairWith(page, (one) => one.target);
+  await page.route('**/api/**', (route) => route.abort());
+  for (const socket of own.mock.sockets) socket.terminate();
+  await page.evaluate(
+    (id) => void window.mimesh.studio.markers.edit({ op: 'rename', pair: id, name: 'kept' }),
+    pair.id,
+  );
+  await page.waitForFunction(() => /kept in this browser/.test(document.querySelector('.save-state').textContent));
+  await page.unroute('**/api/**');
+  await page.reload();
+  await page.waitForFunction(() => window.mimesh?.studio.phase.peek().name === 'ready');
+  await saved(page);
+  assert.equal(own.mock.project.markers.view().pairs.find((one) => one.id === pair.id).name, 'kept');
+  await page.close();
+  await own.close();
+});
+
+/** A place on each mesh that no label covers. */
+function centres(page) {
+  return page.evaluate(() =>
+    ['source', 'result'].map((role) => {
+      const pane = window.mimesh.stage.panes.peek().find((other) => other.role === role);
+      const box = pane.surfaceElement.getBoundingClientRect();
+      for (let ring = 0; ring < 200; ring += 6) {
+        for (let angle = 0; angle < 6.28; angle += 0.5) {
+          const [x, y] = [box.width / 2 + ring * Math.cos(angle), box.height / 2 + ring * Math.sin(angle)];
+          const free = pane.view.labels.every((label) => {
+            const [u, v] = pane.view.project(label.position) ?? [-1e3, -1e3];
+            return Math.hypot(u - x, v - y) > 40;
+          });
+          if (free && pane.pick(x, y)) return { x: box.left + x, y: box.top + y };
+        }
+      }
+      throw new Error('no free place');
+    }),
+  );
+}

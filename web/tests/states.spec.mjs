@@ -1,0 +1,106 @@
+// The states of the page, in light and dark: no error, no serious finding of axe, nothing that moves by itself.
+import assert from 'node:assert/strict';
+import { readFileSync } from 'node:fs';
+import { createRequire } from 'node:module';
+import { after, before, test } from 'node:test';
+import { launch, openPage, serve } from './browser.mjs';
+
+const axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
+const mocked = !process.env.MIMESH_STUDIO_URL;
+let browser;
+let server;
+
+before(async () => {
+  [browser, server] = await Promise.all([launch(), serve({ resolution: 50 })]);
+});
+
+after(async () => {
+  await browser?.close();
+  await server?.close();
+});
+
+async function findings(page) {
+  await page.evaluate(axe);
+  const { violations } = await page.evaluate(() => window.axe.run(document, { resultTypes: ['violations'] }));
+  return violations
+    .filter(({ impact }) => impact === 'serious' || impact === 'critical')
+    .map(({ id, nodes }) => `${id}: ${nodes.map((node) => node.html.slice(0, 120)).join(' | ')}`);
+}
+
+const STATES = {
+  points: async (page) => page.keyboard.press('j'),
+  result: async (page) => page.click('#tab-result'),
+  colours: async (page) => {
+    await page.click('#tab-result');
+    await page.selectOption('.result select', { index: 1 });
+    await page.waitForSelector('.legend:visible');
+  },
+  stages: async (page) => {
+    await page.click('#tab-stages');
+    await page.waitForSelector('.group');
+  },
+  paint: async (page) => page.click('#tab-paint'),
+  help: async (page) => page.keyboard.press('?'),
+  mirror: async (page) => page.keyboard.press('m'),
+  components: async (page) => page.click('.components-menu > button'),
+  about: async (page) => {
+    await page.click('[aria-label="About"]');
+    await page.waitForSelector('.about summary');
+  },
+};
+
+for (const theme of ['light', 'dark']) {
+  for (const [name, enter] of Object.entries(STATES)) {
+    test(`${name}, ${theme}`, async () => {
+      const page = await openPage(browser, server.url, { theme });
+      await enter(page);
+      await page.waitForTimeout(300);
+      assert.deepEqual(await findings(page), []);
+      assert.deepEqual(page.errors, []);
+      await page.close();
+    });
+  }
+
+  test(`start and a file that cannot be read, ${theme}`, { skip: !mocked }, async () => {
+    const empty = await serve({ resolution: 40, open: false });
+    const page = await openPage(browser, empty.url, { theme, ready: false });
+    await page.waitForSelector('.entry.mesh');
+    assert.deepEqual(await findings(page), []);
+    await page.click('text=horse.glb');
+    await page.click('text=broken.obj');
+    await page.click('.slots > .button');
+    await page.waitForSelector('.failed');
+    assert.match(await page.textContent('.failed'), /line 12/);
+    assert.deepEqual(await findings(page), []);
+    await page.click('text=Choose other files');
+    await page.setInputFiles('#upload', {
+      name: 'horse.glb',
+      mimeType: 'model/gltf-binary',
+      buffer: Buffer.from('glTF'),
+    });
+    await page.waitForSelector('.slot.filled');
+    await page.click('text=camel.glb');
+    await page.click('.slots > .button');
+    await page.waitForFunction(() => window.mimesh.studio.phase.peek().name === 'ready');
+    await page.close();
+    await empty.close();
+  });
+}
+
+test('nothing moves by itself while the page loads and is used', async () => {
+  const page = await browser.newPage({ viewport: { width: 1280, height: 720 } });
+  await page.addInitScript(() => {
+    window.shifts = 0;
+    new PerformanceObserver((list) => {
+      for (const entry of list.getEntries()) if (!entry.hadRecentInput) window.shifts += entry.value;
+    }).observe({ type: 'layout-shift', buffered: true });
+  });
+  await page.goto(server.url);
+  await page.waitForFunction(() => window.mimesh?.studio.phase.peek().name === 'ready');
+  for (const key of ['j', 'j', '.', '.', 'Escape']) {
+    await page.keyboard.press(key);
+    await page.waitForTimeout(700);
+  }
+  assert.ok((await page.evaluate(() => window.shifts)) < 0.02);
+  await page.close();
+});
