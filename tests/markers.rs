@@ -86,7 +86,7 @@ fn what_is_written_is_read_again() {
     assert_eq!(output.status, 0, "{}", output.stderr);
     let points = |file: &str| -> Vec<(MeshPoint, Option<MeshPoint>)> {
         let file = read_markers(&project.path(file)).expect("markers");
-        file.pairs.iter().map(|entry| (entry.source, entry.target)).collect()
+        file.pairs.iter().map(|entry| (entry.source.expect("a point of the source"), entry.target)).collect()
     };
     let expected = points("m.yaml");
     assert_eq!(points("first.yaml"), expected);
