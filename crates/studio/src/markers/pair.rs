@@ -160,7 +160,9 @@ impl Point {
     pub fn normalised(self) -> Result<Self, String> {
         let Self::Triangle(TrianglePoint { triangle, barycentric }) = self else { return Ok(self) };
         let sum: f64 = barycentric.iter().sum();
-        if !barycentric.iter().all(|b| *b >= -TOLERANCE) || !((sum - 1.0).abs() <= TOLERANCE) {
+        // What is not a number is not inside either.
+        let is_inside = barycentric.iter().all(|b| *b >= -TOLERANCE) && (sum - 1.0).abs() <= TOLERANCE;
+        if !is_inside {
             return Err(format!(
                 "the barycentric coordinates {barycentric:?} lie outside the triangle, or do not sum to 1"
             ));

@@ -115,7 +115,7 @@ impl Source {
         let parent = if parents.is_empty() { root? } else { find(root?, parents)?.1 };
         let YamlData::Mapping(entries) = &parent.data else { return None };
         let (first, _) = entries.iter().next()?;
-        let (last_key, last) = entries.iter().last()?;
+        let (last_key, last) = entries.iter().next_back()?;
         let end = self.end_of(last).max(self.colon_after(last_key)? + 1);
         let is_flow = self.text.get(parent.span.start.index()) == Some(&'{');
         if is_flow {
