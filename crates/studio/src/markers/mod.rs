@@ -1,6 +1,6 @@
 //! The document of markers that all pages share: pairs, edits that are merged by pair, a history, and the file that holds it.
 //!
-//! In reading order: [`pair`], [`edit`], [`document`], [`apply`](mod@apply), [`history`], [`outside`], [`file`], [`store`].
+//! In reading order: [`pair`], [`edit`], [`document`], [`apply`](mod@apply), [`history`], [`outside`], [`mod@file`], [`store`].
 
 pub mod apply;
 pub mod document;
