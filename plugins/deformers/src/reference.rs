@@ -106,6 +106,8 @@ struct Shape {
     spread: Matrix3<f64>,
     /// Added to sums that are divided by, in place of a mass that may be 0.
     floor: f64,
+    /// What `spread` lacks to be positive semi-definite, as with weights below 0. Without it the rest would have a turn.
+    lack: f64,
 }
 
 impl HandleShapes {
@@ -125,7 +127,9 @@ impl HandleShapes {
                 }
             }
             let floor = floor.max(f64::MIN_POSITIVE.sqrt());
-            Shape { mass, first, spread: spread - first * first.transpose() / (mass.abs() + floor), floor }
+            let spread = spread - first * first.transpose() / (mass.abs() + floor);
+            let lack = (-spread.symmetric_eigenvalues().min()).max(0.0);
+            Shape { mass, first, spread, floor, lack }
         });
         Self { shapes: shapes.collect() }
     }
@@ -140,7 +144,7 @@ impl HandleShapes {
             let turned = projected.fixed_view::<3, 3>(4 * k, 0).into_owned();
             // Σ d w (x − x̄)(q − q̄)ᵀ with q = s x + δ.
             let covariance = shape.spread * radius + turned - shape.first * moved(k) / (shape.mass + shape.floor);
-            let still = (WHOLE_SHARE * shape.spread.trace().abs() + shape.floor) * radius;
+            let still = (WHOLE_SHARE * shape.spread.trace().abs() + shape.floor + shape.lack) * radius;
             covariance.transpose() + Matrix3::identity() * still
         };
         let rotations = rotations(&moving.iter().map(covariance).collect::<Vec<_>>());
