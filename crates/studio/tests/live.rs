@@ -13,7 +13,11 @@ use tokio_tungstenite::{
     tungstenite::{Message, client::IntoClientRequest, handshake::client::Request},
 };
 
-type Socket = WebSocketStream<tokio::net::TcpStream>;
+/// A socket, and what came over it that nobody has waited for yet: preview and result come in any order.
+struct Socket {
+    stream: WebSocketStream<tokio::net::TcpStream>,
+    unread: Vec<(Value, Vec<u8>)>,
+}
 
 async fn connect(client: &Client) -> Socket {
     let mut request: Request = format!("ws://{}/api/live", client.address).into_client_request().unwrap();
@@ -21,14 +25,17 @@ async fn connect(client: &Client) -> Socket {
     headers.insert("Origin", format!("http://{}", client.address).parse().unwrap());
     headers.insert("Cookie", client.cookie.parse().unwrap());
     let stream = tokio::net::TcpStream::connect(client.address).await.unwrap();
-    client_async(request, stream).await.unwrap().0
+    Socket { stream: client_async(request, stream).await.unwrap().0, unread: vec![] }
 }
 
-/// The next message for which `is_it` holds: its text, or the header of its frame with the frame.
+/// The first unread message for which `is_it` holds: its text, or the header of its frame with the frame.
 async fn wait(socket: &mut Socket, is_it: impl Fn(&Value) -> bool) -> (Value, Vec<u8>) {
+    if let Some(at) = socket.unread.iter().position(|(value, _)| is_it(value)) {
+        return socket.unread.remove(at);
+    }
     let next = async {
         loop {
-            let (value, bytes) = match socket.next().await.expect("an open socket").unwrap() {
+            let (value, bytes) = match socket.stream.next().await.expect("an open socket").unwrap() {
                 Message::Text(text) => (serde_json::from_str(&text).unwrap(), vec![]),
                 Message::Binary(bytes) => {
                     let length = u32::from_le_bytes([bytes[4], bytes[5], bytes[6], bytes[7]]) as usize;
@@ -39,13 +46,17 @@ async fn wait(socket: &mut Socket, is_it: impl Fn(&Value) -> bool) -> (Value, Ve
             if is_it(&value) {
                 return (value, bytes);
             }
+            socket.unread.push((value, bytes));
         }
     };
-    tokio::time::timeout(Duration::from_secs(60), next).await.expect("a message in time")
+    let found = tokio::time::timeout(Duration::from_secs(60), next).await;
+    found.unwrap_or_else(|_| {
+        panic!("no message in time beside {:#?}", socket.unread.iter().map(|m| &m.0).collect::<Vec<_>>())
+    })
 }
 
 async fn say(socket: &mut Socket, message: Value) {
-    socket.send(Message::text(message.to_string())).await.unwrap();
+    socket.stream.send(Message::text(message.to_string())).await.unwrap();
 }
 
 /// The vertices of a frame, which come last.
@@ -58,18 +69,18 @@ fn positions(bytes: &[u8], vertices: usize) -> Vec<f32> {
         .collect()
 }
 
+/// A project with markers in a file: where there are none they are proposed unasked, which would be an edit among those of the test.
 fn opened(folder: &std::path::Path) -> Client {
     let pipeline = sample(folder);
+    let text = std::fs::read_to_string(&pipeline).unwrap();
+    std::fs::write(&pipeline, format!("{text}markers: p.markers.yaml\n")).unwrap();
+    let pairs = [0, 3, 5, 7, 9, 11].map(|v| format!("- {{ source: {v}, target: {v} }}\n"));
+    std::fs::write(folder.join("p.markers.yaml"), format!("markers:\n{}", pairs.concat())).unwrap();
     let client = serve(folder, Some(Start::Pipeline(pipeline)));
-    for (i, v) in [0u64, 3, 5, 7, 9, 11].into_iter().enumerate() {
-        let point = json!({ "vertex": v });
-        client.edit(&format!("c{i}"), json!([{ "op": "add", "source": point, "target": point }]));
-    }
     client.wait("/api/pipeline", |pipeline| pipeline["checking"] == false && pipeline["diagnostics"] == json!([]));
     client
 }
 
-#[ignore = "fails: the preview of a target at rest does not rest while a pair lies wrong, and one run in eight waits in vain"]
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_look_is_answered_with_frames_and_edits_with_new_ones() {
     let folder = tempfile::tempdir().unwrap();
@@ -147,11 +158,11 @@ async fn messages_that_make_no_sense_are_answered() {
         r#"{"type":"drag","drag":1,"pair":1,"side":"up","point":null}"#,
     ];
     for message in messages {
-        socket.send(Message::text(message)).await.unwrap();
+        socket.stream.send(Message::text(message)).await.unwrap();
         let (error, _) = wait(&mut socket, |answer| answer["type"] == "error").await;
         assert_eq!(error["error"]["code"], "bad_request", "{message}");
     }
-    socket.send(Message::binary(vec![0u8; 100])).await.unwrap();
+    socket.stream.send(Message::binary(vec![0u8; 100])).await.unwrap();
     wait(&mut socket, |answer| answer["type"] == "error").await;
     say(&mut socket, json!({ "type": "look", "look": 1, "pose": { "index": 99 }, "channels": ["source"] })).await;
     wait(&mut socket, |answer| {
@@ -170,6 +181,7 @@ async fn floods_and_large_messages_close_the_socket_alone() {
     let flood = async {
         loop {
             if socket
+                .stream
                 .send(Message::text(r#"{"type":"drag","drag":1,"pair":1,"side":"source","point":null}"#))
                 .await
                 .is_err()
@@ -177,7 +189,7 @@ async fn floods_and_large_messages_close_the_socket_alone() {
                 return None;
             }
             if let Ok(Some(Ok(Message::Close(frame)))) =
-                tokio::time::timeout(Duration::from_micros(10), socket.next()).await
+                tokio::time::timeout(Duration::from_micros(10), socket.stream.next()).await
             {
                 return frame.map(|frame| u16::from(frame.code));
             }
@@ -186,9 +198,9 @@ async fn floods_and_large_messages_close_the_socket_alone() {
     let code = tokio::time::timeout(Duration::from_secs(20), flood).await.expect("it is closed");
     assert!(code.is_none_or(|code| code == 1008), "{code:?}");
     let mut socket = connect(&client).await;
-    let _ = socket.send(Message::text("x".repeat(100_000))).await;
+    let _ = socket.stream.send(Message::text("x".repeat(100_000))).await;
     let closed = async {
-        while let Some(Ok(message)) = socket.next().await {
+        while let Some(Ok(message)) = socket.stream.next().await {
             if message.is_close() {
                 break;
             }

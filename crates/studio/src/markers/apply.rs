@@ -8,7 +8,7 @@ use super::{
     document::{MAX_PAIRS, MarkerDocument},
     edit::{Axis, Conflict, Edit, EditResult, Left, Mirrored, Op},
     file,
-    pair::{Aspect, Change, Content, Origin, Point, Side, Status},
+    pair::{Aspect, Change, Content, Origin, Pair, Point, Side, Status},
 };
 
 /// The most characters of a name and of a remark.
@@ -23,13 +23,15 @@ struct Context<'a> {
     base: u64,
     change: Change,
     meshes: [MarkerMesh<'a>; 2],
+    /// The pairs before the edit.
+    before: &'a [Arc<Pair>],
 }
 
 impl MarkerDocument {
-    /// Does all operations of `edit` that do not conflict; they belong to the revision that comes next.
-    pub(super) fn apply(&mut self, edit: &Edit, meshes: [MarkerMesh<'_>; 2]) -> EditResult {
+    /// Does all operations of `edit` that do not conflict; they belong to the revision that comes next. `before` are the pairs as they are.
+    pub(super) fn apply(&mut self, edit: &Edit, meshes: [MarkerMesh<'_>; 2], before: &[Arc<Pair>]) -> EditResult {
         let change = Change { revision: self.revision + 1, client: edit.client.as_str().into() };
-        let context = Context { base: edit.base, change, meshes };
+        let context = Context { base: edit.base, change, meshes, before };
         let mut result = EditResult::default();
         for (op, i) in edit.ops.iter().zip(0..) {
             let done = self.one(op, &context, &mut result);
@@ -100,9 +102,9 @@ impl MarkerDocument {
         if point.is_none() && pair.content.points[1 - side.index()].is_none() {
             return Err("a pair needs a point on one of the meshes at least; delete it instead".into());
         }
-        let is_proposed = pair.content.status == Status::Proposed;
+        let is_confirmed = pair.content.status == Status::Proposed && pair.content.points[side.index()] != point;
         self.set(id, side.aspect(), context, |content| content.points[side.index()] = point)?;
-        if is_proposed {
+        if is_confirmed {
             let i = self.find(id)?;
             let pair = Arc::make_mut(&mut self.pairs[i]);
             pair.content.status = Status::Confirmed;
@@ -125,7 +127,7 @@ impl MarkerDocument {
         if content == self.pairs[i].content {
             return Ok(());
         }
-        if context.is_newer(&self.pairs[i].changes[aspect as usize]) {
+        if context.is_newer(id, aspect) {
             return Err(format!("{} was changed in the meantime", what(aspect)));
         }
         let pair = Arc::make_mut(&mut self.pairs[i]);
@@ -139,7 +141,7 @@ impl MarkerDocument {
         let Some(i) = self.position(id) else {
             return if id < self.next_id { Ok(()) } else { self.find(id).map(|_| ()) };
         };
-        if self.pairs[i].changes.iter().any(|change| context.is_newer(change)) {
+        if Aspect::ALL.into_iter().any(|aspect| context.is_newer(id, aspect)) {
             return Err("the pair was changed in the meantime".into());
         }
         self.pairs.remove(i);
@@ -230,9 +232,11 @@ impl MarkerDocument {
 }
 
 impl Context<'_> {
-    /// Whether somebody else made `change` after the page saw the document.
-    fn is_newer(&self, change: &Change) -> bool {
-        change.revision > self.base && change.revision != self.change.revision && !self.is_own(change)
+    /// Whether somebody else changed this after the page saw the document; what the edit itself did does not count.
+    fn is_newer(&self, id: u64, aspect: Aspect) -> bool {
+        let pair = self.before.iter().find(|pair| pair.id == id);
+        let change = pair.map(|pair| &pair.changes[aspect as usize]);
+        change.is_some_and(|change| change.revision > self.base && !self.is_own(change))
     }
 
     fn is_own(&self, change: &Change) -> bool {

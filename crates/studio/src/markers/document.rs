@@ -95,7 +95,7 @@ impl MarkerDocument {
         }
         let before = self.pairs.clone();
         let title = self.title(&edit.ops);
-        let result = self.apply(edit, meshes);
+        let result = self.apply(edit, meshes, &before);
         self.commit(before, title);
         self.remember(&edit.id, result.clone());
         Ok(result)
@@ -148,13 +148,30 @@ impl MarkerDocument {
     }
 
     /// Makes the present pairs a new revision and a step of undo, unless they are those of `before`.
+    ///
+    /// What an edit changes and changes back has not changed, so it keeps the revision that it had.
     pub(super) fn commit(&mut self, before: Vec<Arc<Pair>>, title: String) -> bool {
         if same(&self.pairs, &before) {
+            self.pairs = before;
             return false;
         }
+        self.keep_unchanged(&before);
         self.revision += 1;
         self.history.push(title, before, self.pairs.clone());
         true
+    }
+
+    /// Gives each aspect that is as in `before` the change that it had there.
+    fn keep_unchanged(&mut self, before: &[Arc<Pair>]) {
+        let was: HashMap<u64, &Arc<Pair>> = before.iter().map(|pair| (pair.id, pair)).collect();
+        for pair in &mut self.pairs {
+            let Some(old) = was.get(&pair.id).filter(|old| !Arc::ptr_eq(old, pair)) else { continue };
+            let differences = old.content.differences(&pair.content);
+            let pair = Arc::make_mut(pair);
+            for aspect in Aspect::ALL.into_iter().filter(|aspect| !differences.contains(aspect)) {
+                pair.changes[aspect as usize] = old.changes[aspect as usize].clone();
+            }
+        }
     }
 
     fn remember(&mut self, id: &str, result: EditResult) {

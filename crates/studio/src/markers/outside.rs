@@ -29,12 +29,15 @@ impl MarkerDocument {
 
     /// Replaces all pairs that are still proposed by `proposals`, as one step of undo. Whether anything has changed.
     ///
-    /// Proposals of the name of a pair that stays get none.
+    /// Proposals of the name of a pair that stays get none. Those with a point of such a pair are left out: a person may have clicked it
+    /// while they were sought.
     pub fn propose(&mut self, proposals: Vec<Content>) -> bool {
         let before = self.pairs.clone();
         let change = Change { revision: self.revision + 1, client: "".into() };
         self.pairs.retain(|pair| pair.content.status != Status::Proposed);
-        for mut content in proposals {
+        let kept = self.pairs.clone();
+        let is_taken = |proposal: &Content| kept.iter().any(|pair| shares_point(proposal, &pair.content));
+        for mut content in proposals.into_iter().filter(|proposal| !is_taken(proposal)) {
             if content.name.is_some() && self.pairs.iter().any(|pair| pair.content.name == content.name) {
                 content.name = None;
             }
@@ -53,16 +56,17 @@ impl MarkerDocument {
     }
 }
 
+/// Whether two pairs have the same point of a side.
+fn shares_point(a: &Content, b: &Content) -> bool {
+    (0..2).any(|k| a.points[k].is_some() && a.points[k] == b.points[k])
+}
+
 /// For each of `contents` the pair that it is.
 fn matches(contents: &[Content], pairs: &[Arc<Pair>]) -> Vec<Option<Arc<Pair>>> {
     let mut matched: Vec<Option<Arc<Pair>>> = vec![None; contents.len()];
     let mut is_free = vec![true; pairs.len()];
-    let rules: [fn(&Content, &Content) -> bool; 4] = [
-        |a, b| a == b,
-        |a, b| a.name.is_some() && a.name == b.name,
-        |a, b| a.points == b.points,
-        |a, b| (0..2).any(|k| a.points[k].is_some() && a.points[k] == b.points[k]),
-    ];
+    let rules: [fn(&Content, &Content) -> bool; 4] =
+        [|a, b| a == b, |a, b| a.name.is_some() && a.name == b.name, |a, b| a.points == b.points, shares_point];
     for is_same in rules {
         for (content, found) in contents.iter().zip(&mut matched).filter(|(_, found)| found.is_none()) {
             let at = (0..pairs.len()).find(|&i| is_free[i] && is_same(content, &pairs[i].content));
