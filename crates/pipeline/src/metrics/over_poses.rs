@@ -6,7 +6,7 @@ use mimesh_core::{
 };
 use serde_json::{Map, Value, json};
 
-use super::verdict::Reason;
+use super::{declared::declared, verdict::Reason};
 use crate::report::PoseReport;
 
 /// The statistic that stands for a metric in tables.
@@ -77,11 +77,6 @@ pub fn over_poses(poses: &[PoseReport]) -> Map<String, Value> {
         result.insert(metric.to_owned(), summary);
     }
     result
-}
-
-/// The statistics that a metric declares; empty if it is not linked into this program.
-fn declared(metric: &str) -> Vec<Statistic> {
-    plugin::instance::<dyn Metric>(metric).map(|metric| metric.statistics()).unwrap_or_default()
 }
 
 /// Combines each statistic of `poses` (mappings of statistics to values) by `how`, which also gets the declared aggregate.

@@ -3,9 +3,12 @@
 use maud::{Markup, html};
 
 use super::{
+    averages::averages,
     curves::curves,
     elements::{Image, document, figure},
-    facts, poses,
+    facts,
+    next_steps::next_steps,
+    poses,
 };
 use crate::report::Report;
 
@@ -33,6 +36,7 @@ pub fn page(report: &Report, pictures: &Pictures) -> String {
             (facts::head(report, &title))
             (poses::meaning(report))
             (poses::shared(report))
+            (next_steps(report))
             (poses::worst(report, &pictures.worst))
             (poses::table(report))
             @if !pictures.sheet.is_empty() {
@@ -48,7 +52,7 @@ pub fn page(report: &Report, pictures: &Pictures) -> String {
                     div.rests { @for image in &pictures.rest { (figure(image)) } }
                 }
             }
-            (facts::averages(report))
+            (averages(report))
             (facts::choices(report))
             (facts::warnings(report))
             (facts::stages(report))
@@ -61,7 +65,7 @@ fn sheet(images: &[Image], poses: usize) -> Markup {
     html! {
         p.note {
             @if images.len() < poses { (images.len()) " of " (poses) " poses, spread over all of them. " }
-            "What is seen from behind is dark red."
+            "Source and result are seen from the same side. What is seen from the back is dark red."
         }
         div.sheet { @for image in images { (figure(image)) } }
     }
