@@ -66,12 +66,15 @@ fn reasons(verdict: Option<&Verdict>) -> Markup {
 fn limits(reason: &Reason) -> Option<Markup> {
     let limits = declared_statistic(&reason.metric, &reason.statistic)?.limits?;
     let unit = unit(&reason.metric, &reason.statistic);
-    let other = match reason.level {
+    let (level, limit) = match reason.level {
         Level::Doubtful => ("bad", limits.bad),
         Level::Bad => ("doubtful", limits.doubtful),
         Level::Failed | Level::Good => return None,
     };
-    Some(html! { span.note { " (" (other.0) " above " (together(&limit_with_unit(other.1, unit))) ")" } })
+    // A known result says more than a suspicion, which then makes nothing worse than doubtful.
+    let is_held_back = reason.level == Level::Doubtful && reason.value.is_some_and(|value| value.abs() > limits.bad);
+    let otherwise = if is_held_back { " where no result is known" } else { "" };
+    Some(html! { span.note { " (" (level) " above " (together(&limit_with_unit(limit, unit))) (otherwise) ")" } })
 }
 
 /// Returns what is wrong with map and markers, once for all poses.
