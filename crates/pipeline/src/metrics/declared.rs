@@ -5,8 +5,7 @@ use mimesh_core::{
     stage::{Metric, Statistic},
 };
 
-use super::over_poses::PrimaryStatistic;
-use crate::{report::Report, text::number};
+use crate::text::number;
 
 /// The statistics that a metric declares; empty if it is not linked into this program.
 pub fn declared(metric: &str) -> Vec<Statistic> {
@@ -46,16 +45,6 @@ pub fn limit_with_unit(limit: f64, unit: &str) -> String {
         false => &text,
     };
     with_unit(limit, unit).replacen(&text, short, 1)
-}
-
-/// The gate of a pipeline for a statistic, the smaller one if both its keys are set.
-pub fn gate(report: &Report, column: &PrimaryStatistic) -> Option<f64> {
-    let PrimaryStatistic { metric, statistic } = column;
-    // The metric alone names the gate of the statistic that it declares first.
-    let is_first = declared(metric).first().is_some_and(|first| first.name == statistic);
-    let keys = [Some(format!("{metric}_{statistic}")), is_first.then(|| metric.clone())];
-    let gates = keys.iter().flatten().filter_map(|key| report.gates.get(key)?.as_f64());
-    gates.reduce(f64::min)
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ use serde_json::{Map, Value};
 
 use super::words::together;
 use crate::{
-    metrics::{PrimaryStatistic, declared_statistic, gate, limit_with_unit, unit, with_unit},
+    metrics::{PrimaryStatistic, declared_statistic, limit_with_unit, unit, with_unit},
     report::Report,
 };
 
@@ -39,7 +39,7 @@ fn table(report: &Report, metric: &str, summary: &Value) -> Markup {
     let of = |statistic: &str| declared_statistic(metric, statistic);
     let limit = |statistic: &str, which: fn(Limits) -> f64| of(statistic)?.limits.map(which);
     let has_limits = shown.iter().any(|name| limit(name, |limits| limits.bad).is_some());
-    let has_gate = shown.iter().any(|name| gate(report, &column(name)).is_some());
+    let has_gate = shown.iter().any(|name| column(name).gate(report).is_some());
     let value = |over: &str, name: &str| cell(summary[over][name].as_f64(), unit(metric, name), with_unit);
     let limit_cell = |limit: Option<f64>, name: &str| cell(limit, unit(metric, name), limit_with_unit);
     html! {
@@ -62,7 +62,7 @@ fn table(report: &Report, metric: &str, summary: &Value) -> Markup {
                         (limit_cell(limit(name, |limits| limits.doubtful), name))
                         (limit_cell(limit(name, |limits| limits.bad), name))
                     }
-                    @if has_gate { (limit_cell(gate(report, &column(name)), name)) }
+                    @if has_gate { (limit_cell(column(name).gate(report), name)) }
                     td.word { (of(name).map_or("", |statistic| statistic.meaning)) }
                 }
             }

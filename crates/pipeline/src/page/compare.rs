@@ -12,7 +12,7 @@ use super::{
     words::name,
 };
 use crate::{
-    metrics::{PrimaryStatistic, primary_statistics, unit},
+    metrics::{PrimaryStatistic, primary_statistics},
     report::Report,
     text::{number, seconds},
 };
@@ -90,22 +90,13 @@ fn averages(runs: &[ComparedRun]) -> Markup {
                     }
                     @for column in columns(runs) {
                         @let values: Vec<_> = runs.iter().map(|run| average(&run.report, &column)).collect();
-                        (row(runs, &in_words(&column), &values))
+                        (row(runs, &column.words(), &values))
                     }
                     tr { th { "markers" } @for run in runs { td { (run.report.markers) } } }
                     tr { th { "time" } @for run in runs { td { (seconds(run.report.seconds)) } } }
                 }
             }
         }
-    }
-}
-
-/// Returns a statistic in words with its unit: `point error mean, %`.
-fn in_words(column: &PrimaryStatistic) -> String {
-    let words = format!("{} {}", column.metric, column.statistic).replace('_', " ");
-    match unit(&column.metric, &column.statistic) {
-        "" => words,
-        unit => format!("{words}, {unit}"),
     }
 }
 
@@ -118,7 +109,7 @@ fn next_step(runs: &[ComparedRun]) -> Markup {
         p {
             strong { "What to do next: " }
             @if let Some((column, best)) = best {
-                code { (name(&runs[best].name)) } " is best by " (in_words(column)) ". Look at its pictures beside the others. If they \
+                code { (name(&runs[best].name)) } " is best by " (column.words()) ". Look at its pictures beside the others. If they \
                 agree, take over its settings, which stand at the end of this page."
             } @else {
                 "No run is best by the first metric. Look at the pictures, and at the settings that differ, at the end of this page."
@@ -190,7 +181,7 @@ fn poses(runs: &[ComparedRun]) -> Markup {
     };
     html! {
         section {
-            h2 { "Each pose: " (in_words(&column)) }
+            h2 { "Each pose: " (column.words()) }
             div.scroll {
                 table.numbers {
                     tr { th { "pose" } @for run in runs { th { (name(&run.name)) } } }

@@ -5,7 +5,7 @@ use serde_json::Value;
 
 use super::chart::{Axes, Limit, Line, chart, round_up};
 use crate::{
-    metrics::{PrimaryStatistic, declared_statistic, gate, limit_with_unit, primary_statistics, unit},
+    metrics::{PrimaryStatistic, declared_statistic, limit_with_unit, primary_statistics, unit},
     report::Report,
 };
 
@@ -100,7 +100,7 @@ fn over_poses(report: &Report, column: &PrimaryStatistic) -> Markup {
         let is_bad = declared.is_some_and(|limits| at == limits.bad && at > limits.doubtful);
         named(if is_bad { "bad above" } else { "doubtful above" }, at)
     });
-    let limit = gate(report, column).map(|at| named("gate", at)).or(own);
+    let limit = column.gate(report).map(|at| named("gate", at)).or(own);
     let top = round_up(limit.as_ref().map_or(highest, |limit| highest.max(limit.at)));
     let title = format!("{}, {}", column.metric, column.statistic).replace('_', " ");
     let axes = Axes { title: &title, x: "pose", y: unit, upto: [report.poses.len() as f64, top], counts: true, limit };

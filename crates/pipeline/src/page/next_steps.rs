@@ -7,6 +7,7 @@ use mimesh_core::{plugin::instance, stage::Metric};
 
 use super::words::prose;
 use crate::{
+    input::HelpCommands,
     metrics::{Level, Reason, limit_with_unit, unit, with_unit},
     report::{PoseReport, Report},
 };
@@ -14,23 +15,23 @@ use crate::{
 /// The name of the verdict on landmarks that a stage proposed.
 const LANDMARKS: &str = "landmarks";
 
-/// Returns what to do next as a list, the most useful first.
-pub fn next_steps(report: &Report) -> Markup {
+/// Returns what to do next as a list, the most useful first; `help` are the commands of the host.
+pub fn next_steps(report: &Report, help: &HelpCommands) -> Markup {
     html! {
         section {
             h2 { "What to do next" }
-            ol.next { @for step in steps(report) { li { (prose(&step)) } } }
+            ol.next { @for step in steps(report, help) { li { (prose(&step)) } } }
         }
     }
 }
 
 /// Returns what to do next, the most useful first; at least one sentence.
-fn steps(report: &Report) -> Vec<String> {
+fn steps(report: &Report, help: &HelpCommands) -> Vec<String> {
     let mut steps = Vec::new();
-    steps.extend(of_failed_poses(report));
-    steps.extend(of_map_and_markers(report));
+    steps.extend(of_failed_poses(report, help));
+    steps.extend(of_map_and_markers(report, help));
     let has_shared = !steps.is_empty();
-    steps.extend(of_poses(report, has_shared));
+    steps.extend(of_poses(report, help, has_shared));
     steps.extend(of_gates(report));
     if steps.is_empty() {
         steps.push(where_nothing_is_wrong(report));
@@ -41,55 +42,84 @@ fn steps(report: &Report) -> Vec<String> {
     steps
 }
 
-/// The pipeline's file as an argument of a command.
-fn pipeline(report: &Report) -> String {
-    let path = report.pipeline.display().to_string();
-    if path.contains(char::is_whitespace) { format!("'{path}'") } else { path }
+/// A command with what it does, as a sentence with a blank behind it; empty if the host has no such command.
+fn sentence(command: &Option<String>, does: &str) -> String {
+    command.as_ref().map(|command| format!("`{command}` {does}. ")).unwrap_or_default()
 }
 
-fn of_failed_poses(report: &Report) -> Option<String> {
+fn of_failed_poses(report: &Report, help: &HelpCommands) -> Option<String> {
     let failed = report.poses.iter().filter(|pose| pose.error.is_some()).count();
-    let poses = if failed == 1 { "1 pose was" } else { &format!("{failed} poses were") };
+    let poses = if failed == 1 { "1 pose was".to_owned() } else { format!("{failed} poses were") };
+    let check = sentence(&help.check_poses, "reads all poses and reports every mistake at once");
     (failed > 0).then(|| {
-        let file = pipeline(report);
         format!(
-            "{poses} not transferred, for the reasons in the table of poses. `mimesh check {file} --poses` reads all poses and \
-             reports every mistake at once. Mend or leave out these files, and run again."
+            "{poses} not transferred, for the reasons in the table of poses. {check}Mend or leave out these files, and run \
+             again."
         )
     })
 }
 
 /// What to do about faults that all poses share: they come first, since each pose follows them.
-fn of_map_and_markers(report: &Report) -> Vec<String> {
+fn of_map_and_markers(report: &Report, help: &HelpCommands) -> Vec<String> {
     let verdict = report.rest_verdict.as_ref().filter(|verdict| verdict.level > Level::Good);
-    let file = pipeline(report);
-    let mut steps: Vec<String> = Vec::new();
+    let mut kinds = Vec::new();
+    let mut steps = Vec::new();
     for reason in verdict.into_iter().flat_map(|verdict| &verdict.reasons) {
-        let step = if reason.metric == LANDMARKS {
-            format!(
-                "Correct the landmarks before anything else: `mimesh markers propose --pipeline {file}` draws them on both meshes and \
-                 writes them to a file. Mend the wrong ones there, name the file as `clicks`, and run again."
-            )
-        } else if instance::<dyn Metric>(&reason.metric).is_some_and(|metric| metric.needs_map()) {
-            format!(
-                "Mend the correspondence before you look at single poses, since all of them follow it. Add a marker{}: \
-                 `mimesh markers suggest --pipeline {file}` names the point that helps most. Then run again.",
-                place(reason)
-            )
-        } else {
-            format!(
-                "Look at the numbered markers{} in the pictures “At rest”. Each number must lie on the same part of both meshes. \
-                 Correct or remove those that do not, and run again.",
-                place(reason)
-            )
-        };
-        if !steps.contains(&step) {
-            steps.push(step);
+        let kind = SharedFault::of(reason);
+        // Reasons of one kind ask for the same, and the first of them is the worst.
+        if !kinds.contains(&kind) {
+            kinds.push(kind);
+            steps.push(kind.step(reason, help));
         }
     }
-    // One marker is added at a time: several reasons of one kind ask for the first.
-    steps.dedup_by(|later, first| later.split(". ").next() == first.split(". ").next());
     steps
+}
+
+/// What a fault that all poses share asks for.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum SharedFault {
+    /// Better landmarks than those that a stage proposed.
+    Landmarks,
+    /// Another marker, since the correspondence is wrong.
+    Map,
+    /// A look at the markers that are there.
+    Markers,
+}
+
+impl SharedFault {
+    fn of(reason: &Reason) -> Self {
+        let needs_map = instance::<dyn Metric>(&reason.metric).is_some_and(|metric| metric.needs_map());
+        match reason.metric.as_str() {
+            LANDMARKS => Self::Landmarks,
+            _ if needs_map => Self::Map,
+            _ => Self::Markers,
+        }
+    }
+
+    fn step(self, reason: &Reason, help: &HelpCommands) -> String {
+        let place = place(reason);
+        match self {
+            Self::Landmarks => {
+                let propose =
+                    sentence(&help.propose_landmarks, "draws them on both meshes and writes them to a file of markers");
+                format!(
+                    "Correct the landmarks before anything else. {propose}Mend the wrong ones there, name the file as `clicks`, and \
+                     run again."
+                )
+            }
+            Self::Map => {
+                let suggest = sentence(&help.suggest_marker, "names the point that helps most");
+                format!(
+                    "Mend the correspondence before you look at single poses, since all of them follow it. Add a marker{place}. \
+                     {suggest}Then run again."
+                )
+            }
+            Self::Markers => format!(
+                "Look at the numbered markers{place} in the pictures “At rest”. Each number must lie on the same part of both \
+                 meshes. Correct or remove those that do not, and run again."
+            ),
+        }
+    }
 }
 
 /// Where a reason is, as ` around vertex 12` or ` at marker 28`; empty if it belongs to no place.
@@ -111,18 +141,19 @@ fn worst(report: &Report) -> Option<(&PoseReport, &Reason)> {
 }
 
 /// What to do about the poses themselves; `has_shared` if there is something else to be done first.
-fn of_poses(report: &Report, has_shared: bool) -> Option<String> {
+fn of_poses(report: &Report, help: &HelpCommands, has_shared: bool) -> Option<String> {
     let (pose, reason) = worst(report)?;
     let metric = reason.metric.replace('_', " ");
     let first = format!("pose `{}`, the worst by {metric}", pose.name);
     if has_shared {
         return Some(format!("After that, look at {first}, again: faults of poses often go with those they share."));
     }
-    let file = pipeline(report);
+    let list = sentence(&help.list_transfers, "names the methods");
+    let other = sentence(&help.run_other_transfer, "runs one of them");
+    let compare = sentence(&help.compare, "shows both results beside each other");
     Some(format!(
-        "Look at {first}: its colours show where. If that place disturbs you, add a marker there, or try another method: \
-         `mimesh list transfer` names them, `mimesh run {file} --set transfer.type=TYPE --out other` runs one, and `mimesh compare` \
-         shows both beside each other. If it does not, keep the result."
+        "Look at {first}: its colours show where. If that place looks right, keep the result. If not, add a marker there, or try \
+         another `transfer`. {list}{other}{compare}"
     ))
 }
 

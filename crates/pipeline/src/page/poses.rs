@@ -9,7 +9,7 @@ use super::{
 };
 use crate::{
     metrics::{
-        Level, PrimaryStatistic, Reason, Verdict, declared_statistic, faults, gate, limit_with_unit,
+        Level, PrimaryStatistic, Reason, Verdict, declared_statistic, faults, limit_with_unit,
         primary_statistics, unit,
     },
     report::{PoseReport, Report},
@@ -98,14 +98,6 @@ fn sentence(words: &str) -> String {
     letters.next().map(|first| format!("{}{}.", first.to_uppercase(), letters.as_str())).unwrap_or_default()
 }
 
-/// Returns the unit of a column behind its name.
-fn in_unit(column: &PrimaryStatistic) -> String {
-    match unit(&column.metric, &column.statistic) {
-        "" => String::new(),
-        unit => format!(", {unit}"),
-    }
-}
-
 /// Returns the row of limits of one level in the table of poses; nothing if no column has one.
 fn limit_row(heading: &str, limits: &[Option<f64>]) -> Markup {
     html! {
@@ -136,7 +128,7 @@ pub fn table(report: &Report) -> Markup {
         let declared = |column: &PrimaryStatistic| declared_statistic(&column.metric, &column.statistic)?.limits;
         columns.iter().map(|column| declared(column).map(of)).collect()
     };
-    let gates: Vec<Option<f64>> = columns.iter().map(|column| gate(report, column)).collect();
+    let gates: Vec<Option<f64>> = columns.iter().map(|column| column.gate(report)).collect();
     html! {
         section {
             h2 { "Verdict of each pose" }
@@ -144,7 +136,7 @@ pub fn table(report: &Report) -> Markup {
                 table.numbers {
                     tr {
                         th { "pose" } th.word { "verdict" }
-                        @for column in &columns { th { (column.metric.replace('_', " ")) br; small { (column.statistic.replace('_', " ")) (in_unit(column)) } } }
+                        @for column in &columns { th { (column.metric.replace('_', " ")) br; small { (column.statistic.replace('_', " ")) (column.unit_behind()) } } }
                     }
                     (limit_row("doubtful above", &limits(|limits| limits.doubtful)))
                     (limit_row("bad above", &limits(|limits| limits.bad)))

@@ -10,7 +10,7 @@ use super::{
     next_steps::next_steps,
     poses,
 };
-use crate::report::Report;
+use crate::{input::HelpCommands, report::Report};
 
 /// The pictures of a run.
 #[derive(Clone, Debug, Default)]
@@ -23,8 +23,8 @@ pub struct Pictures {
     pub sheet: Vec<Image>,
 }
 
-/// Returns the page of a run.
-pub fn page(report: &Report, pictures: &Pictures) -> String {
+/// Returns the page of a run; its next steps name the commands of the host, `help`.
+pub fn page(report: &Report, pictures: &Pictures, help: &HelpCommands) -> String {
     let name = report.pipeline.file_stem().unwrap_or_default().to_string_lossy();
     let title = match &report.run {
         Some(run) => format!("{name} · {}", run.name),
@@ -36,7 +36,7 @@ pub fn page(report: &Report, pictures: &Pictures) -> String {
             (facts::head(report, &title))
             (poses::meaning(report))
             (poses::shared(report))
-            (next_steps(report))
+            (next_steps(report, help))
             (poses::worst(report, &pictures.worst))
             (poses::table(report))
             @if !pictures.sheet.is_empty() {

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use mimesh_core::{
     Figures,
     mesh::{MeshPoint, Topology},
+    spatial::UpAxis,
 };
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
@@ -15,7 +16,6 @@ use crate::{
     compose::Variant,
     input::RestMesh,
     metrics::{Level, Verdict},
-    spec::Up,
     staging::WrittenFile,
 };
 
@@ -119,7 +119,7 @@ impl RunOf {
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 pub struct MeshView {
     /// The axis that points up once it is turned.
-    pub up: Up,
+    pub up: UpAxis,
     /// The rotation that turns it, column by column.
     pub turn: [[f64; 3]; 3],
 }
