@@ -19,8 +19,8 @@ use {
 };
 
 use crate::cli::{
-    cache::CacheOptions, flags::with_flags, help_commands, profile::Profiler, progress::TerminalProgress, results_file::ResultsFile,
-    roots::Roots, saved_pipeline::SavedPipeline, status::Status, summary, terminal,
+    cache::CacheOptions, flags::with_flags, help_commands, profile::Profiler, progress::TerminalProgress,
+    results_file::ResultsFile, roots::Roots, saved_pipeline::SavedPipeline, status::Status, summary, terminal,
 };
 
 /// Runs a pipeline: pairs the meshes, transfers every pose and writes the results.

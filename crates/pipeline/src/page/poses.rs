@@ -9,8 +9,7 @@ use super::{
 };
 use crate::{
     metrics::{
-        Level, PrimaryStatistic, Reason, Verdict, declared_statistic, faults, limit_with_unit,
-        primary_statistics, unit,
+        Level, PrimaryStatistic, Reason, Verdict, declared_statistic, faults, limit_with_unit, primary_statistics, unit,
     },
     report::{PoseReport, Report},
     text::number,
