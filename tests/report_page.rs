@@ -132,14 +132,17 @@ fn statistics_have_units_and_limits_and_the_verdict_ends_with_a_next_step() {
     for row in ["doubtful above", "bad above", "gate"] {
         assert!(table.contains(&format!("<th>{row}</th>")), "{row}: {table}");
     }
-    assert!(section(&page, "Look at these").contains(" %, above 0.001 %"));
+    assert!(section(&page, "Look at these").contains("\u{a0}%, above 0.001\u{a0}%"));
     let averages = section(&page, "Metrics over all poses");
     assert!(
         averages.contains("bad above") && averages.contains("\u{a0}%") && averages.contains("doing nothing"),
         "{averages}"
     );
     let steps = section(&page, "What to do next");
-    assert!(steps.contains("The gate of point error p95 is 0.001 %") && steps.contains("mimesh compare"), "{steps}");
+    assert!(
+        steps.contains("The gate of point error p95 is 0.001\u{a0}%") && steps.contains("mimesh compare"),
+        "{steps}"
+    );
 
     // Where all is well there is a step too.
     assert_eq!(project.mimesh(&["run", "g.yaml", "-q", "--set", "gates.point_error_p95=50"]).status, 0);

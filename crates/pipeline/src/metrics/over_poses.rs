@@ -42,10 +42,11 @@ impl PrimaryStatistic {
         format!("{} {}{}", self.metric, self.statistic, self.unit_behind()).replace('_', " ")
     }
 
-    /// Its unit behind its name: `, %`; empty where it is not known.
+    /// Its unit behind its name: `, %`; empty where it is not known, or is the name itself.
     pub fn unit_behind(&self) -> String {
         match unit(&self.metric, &self.statistic) {
             "" => String::new(),
+            unit if unit == self.statistic => String::new(),
             unit => format!(", {unit}"),
         }
     }

@@ -5,13 +5,17 @@ use maud::{Markup, PreEscaped, html};
 /// The separators in names after which a line may break.
 const SEPARATORS: [char; 8] = ['_', '-', '.', '/', '\\', ':', '=', ','];
 
+/// The blank at which no line breaks.
+const NO_BREAK: char = '\u{a0}';
+
 /// Longer pieces of a name, in characters, are cut off with an ellipsis where there is no room for them.
 const MAX_PIECE: usize = 20;
 
 /// Returns a name, e.g. of a pose or a file, that breaks at its separators.
 ///
-/// A long piece without a separator is cut off where there is no room, and has its whole text as a title.
+/// A value stays with its percent sign. A long piece without a separator is cut off where there is no room, and has its whole text as a title.
 pub fn name(text: &str) -> Markup {
+    let text = &text.replace(" %", "\u{a0}%");
     let pieces = pieces(text);
     html! {
         @for (k, piece) in pieces.iter().enumerate() {
@@ -67,13 +71,18 @@ fn pieces(text: &str) -> Vec<&str> {
 
 /// Whether a line may break behind `letter`: a blank, or a separator with a part of a name on each side.
 fn ends_piece(before: Option<char>, letter: char, next: Option<char>) -> bool {
+    if letter == NO_BREAK {
+        return false;
+    }
     if letter.is_whitespace() {
         return true;
     }
     let (Some(before), Some(next)) = (before, next) else { return false };
     // Digits on both sides make a number, as 0.5 or 10,000.
     let is_number = ['.', ','].contains(&letter) && before.is_ascii_digit() && next.is_ascii_digit();
-    SEPARATORS.contains(&letter) && !before.is_whitespace() && next.is_alphanumeric() && !is_number
+    // The dashes of a flag, as --out, stay with its name.
+    let is_flag = letter == '-' && !before.is_alphanumeric();
+    SEPARATORS.contains(&letter) && !before.is_whitespace() && next.is_alphanumeric() && !is_number && !is_flag
 }
 
 #[cfg(test)]
@@ -86,6 +95,8 @@ mod tests {
         assert_eq!(all("left_front_leg-01.obj"), "left_|front_|leg-|01.|obj");
         assert_eq!(all("../out/a b"), "../|out/|a |b");
         assert_eq!(all("0.5 to -10,000 %"), "0.5 |to |-10,000 |%");
+        assert_eq!(all("a --out-dir"), "a |--out-|dir");
+        assert_eq!(name("12 %").into_string(), "12\u{a0}%");
         assert_eq!(all("_private and é_ä_"), "_private |and |é_|ä_");
         assert_eq!(all(""), "");
     }
