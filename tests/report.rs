@@ -125,7 +125,7 @@ fn runs_are_compared_in_a_table_as_json_and_on_a_page() {
     assert!(line.contains('*') && line.find('*') < line.rfind(' '), "the better one is marked: {line}");
     let page = project.read("cmp.html");
     assert_eq!(page.matches("<img ").count(), 2 * 4, "a picture of each pose of each run");
-    assert!(page.contains("transfer.type") && page.contains("copy_displacement"), "settings that differ");
+    assert!(page.contains("transfer.<wbr>type") && page.contains("copy_<wbr>displacement"), "settings that differ");
     let all = json(&project.mimesh(&["compare", "good", "simple", "--json"]).stdout);
     let mean = |k: usize| all["runs"][k]["metrics"]["point_error"]["average"]["mean"].as_f64().unwrap();
     assert!(mean(0) < mean(1), "{} and {}", mean(0), mean(1));
