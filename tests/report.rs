@@ -3,25 +3,9 @@
 
 mod common;
 
-use std::{fs, path::Path, process::Command};
+use std::{fs, path::Path};
 
-use common::{Project, json};
-use mimesh::core::testkit::data::missing;
-
-/// The samples' gallop, small, with a report.
-fn gallop(project: &Project, more: &str) {
-    project.write(
-        "g.yaml",
-        &format!(
-            "source: {{ generator: {{ type: quadruped, proportions: horse, gait: gallop, resolution: 20, frames: 4 }} }}
-target: {{ generator: {{ type: quadruped, proportions: camel, gait: gallop, resolution: 20, frames: 4, seed: 1 }} }}
-correspondence: {{ type: nonrigid_fit }}
-transfer: {{ type: gradient }}
-output: [out/report.html, out/sheet.png, out/camel.glb]
-{more}"
-        ),
-    );
-}
+use common::{Project, animals::gallop, json};
 
 /// Width and height of a PNG.
 fn png_size(path: &Path) -> [u32; 2] {
@@ -128,59 +112,6 @@ fn a_page_without_truth_is_judged_by_the_other_metrics() {
     assert!(page.contains("Verdict of each pose"));
 }
 
-/// A browser without a display, or a visible skip; with CI=true its absence is a failure.
-fn browser() -> Option<&'static str> {
-    let found = ["chromium", "chromium-browser", "google-chrome"]
-        .into_iter()
-        .find(|name| Command::new(name).arg("--version").output().is_ok_and(|output| output.status.success()));
-    if found.is_none() {
-        missing("chromium", "install it with the package manager of your system");
-    }
-    found
-}
-
-#[test]
-fn a_browser_shows_the_page_without_a_complaint_on_a_phone_too() {
-    let Some(browser) = browser() else { return };
-    let project = Project::new();
-    gallop(&project, "gates: { point_error_p95: 0.001 }");
-    assert_eq!(project.mimesh(&["run", "g.yaml", "-q"]).status, 3);
-    // Opens the page in a frame as wide as a phone, and writes what it finds.
-    project.write(
-        "out/phone.html",
-        r#"<!DOCTYPE html><title>phone</title><link rel="icon" href="data:,">
-<iframe id="page" src="report.html" width="390" height="800" style="border:0"></iframe><p id="found">waiting</p>
-<script>
-document.getElementById('page').onload = (event) => {
-  const page = event.target.contentDocument;
-  const broken = [...page.images].filter((image) => !image.complete || image.naturalWidth === 0).length;
-  document.getElementById('found').textContent =
-    `wide ${page.documentElement.scrollWidth} images ${page.images.length} broken ${broken} curves ${page.querySelectorAll('svg').length}`;
-};
-</script>"#,
-    );
-    let profile = tempfile::tempdir().unwrap();
-    let output = Command::new(browser)
-        .args(["--headless", "--no-sandbox", "--disable-gpu", "--allow-file-access-from-files"])
-        .args(["--enable-logging=stderr", "--virtual-time-budget=10000", "--dump-dom"])
-        .arg(format!("--user-data-dir={}", profile.path().display()))
-        .arg(format!("file://{}", project.path("out/phone.html").display()))
-        .output()
-        .unwrap();
-    let (dom, log) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
-    let complaints: Vec<_> = log.lines().filter(|line| line.contains("CONSOLE")).collect();
-    assert!(complaints.is_empty(), "{complaints:?}");
-    let found = dom.split("id=\"found\">").nth(1).and_then(|rest| rest.split('<').next()).unwrap_or_default();
-    let number = |word: &str| -> u32 {
-        let rest = found.split(&format!("{word} ")).nth(1).unwrap_or_else(|| panic!("{found}\n{log}"));
-        rest.split(' ').next().unwrap().parse().unwrap()
-    };
-    assert_eq!(number("broken"), 0, "{found}");
-    assert!(number("images") >= 8 && number("curves") >= 2, "{found}");
-    // 390 pixels less a bar at the side; wider would mean that a reader has to push the page about.
-    assert!(number("wide") <= 390, "{found}");
-}
-
 #[test]
 fn runs_are_compared_in_a_table_as_json_and_on_a_page() {
     let project = Project::new();
@@ -194,7 +125,7 @@ fn runs_are_compared_in_a_table_as_json_and_on_a_page() {
     assert!(line.contains('*') && line.find('*') < line.rfind(' '), "the better one is marked: {line}");
     let page = project.read("cmp.html");
     assert_eq!(page.matches("<img ").count(), 2 * 4, "a picture of each pose of each run");
-    assert!(page.contains("transfer.type") && page.contains("copy_displacement"), "settings that differ");
+    assert!(page.contains("transfer.<wbr>type") && page.contains("copy_<wbr>displacement"), "settings that differ");
     let all = json(&project.mimesh(&["compare", "good", "simple", "--json"]).stdout);
     let mean = |k: usize| all["runs"][k]["metrics"]["point_error"]["average"]["mean"].as_f64().unwrap();
     assert!(mean(0) < mean(1), "{} and {}", mean(0), mean(1));

@@ -181,6 +181,20 @@ fn masks_hold_all_else_at_rest() {
         let share = if v % SIDE < SIDE / 2 { 1.0 } else { 0.25 };
         assert!((shares[v] - free[v] * share).norm() < 1e-12);
     }
+    let painted: Vec<String> = (0..SIDE * SIDE).map(|v| if v % 2 == 0 { "0.5" } else { "0" }.into()).collect();
+    let halved = {
+        let project = project("shapes: { masks: { brow*: { file: half.target.mask.json } } }\n");
+        project.write(
+            "half.target.mask.json",
+            &format!("{{ \"mesh\": \"b.obj\", \"weights\": [{}] }}", painted.join(", ")),
+        );
+        run(&project);
+        moved(&project, "browDown")
+    };
+    for v in 0..SIDE * SIDE {
+        let share = if v % 2 == 0 { 0.5 } else { 0.0 };
+        assert!((halved[v] - free[v] * share).norm() < 1e-12);
+    }
     // The jaw moves what no brow does.
     assert!(masked("{ shape: jawOpen }").iter().all(|moved| moved.norm() == 0.0));
 }
@@ -216,10 +230,25 @@ fn mistakes_are_told_at_their_place() {
         ("mirror: { axis: x, from: right }", "p.yaml:6:19: no shape is of the side to mirror from"),
         ("masks: { jawOpen: { parts: Top } }", "p.yaml:6:29: the target has no part called `Top`"),
         ("masks: { jawOpen: { vertices: [289] } }", "p.yaml:6:29: the target has no vertex 289"),
-        ("masks: { jawOpen: {} }", "p.yaml:6:29: a mask has one of the keys `vertices`, `parts`, `color` and `shape`"),
+        (
+            "masks: { jawOpen: {} }",
+            "p.yaml:6:29: a mask has one of the keys `vertices`, `parts`, `color`, `shape` and `file`",
+        ),
+        ("masks: { jawOpen: { file: no.json } }", "p.yaml:6:37: no such file: no.json"),
+        (
+            "masks: { jawOpen: { file: short.json } }",
+            "p.yaml:6:29: short.json has 1 weights, the target has 289 vertices",
+        ),
+        (
+            "masks: { jawOpen: { file: large.json } }",
+            "p.yaml:6:29: large.json: the weight of vertex 288 is 2, expected 0 to 1",
+        ),
+        ("masks: { jawOpen: { file: p.yaml } }", "p.yaml:6:29: p.yaml: expected value at line 1"),
         ("names: blender", "p.yaml:6:18: `names`: unknown value `blender`"),
     ] {
         let project = project(&format!("shapes: {{ {shapes} }}\n"));
+        project.write("short.json", "{ \"weights\": [1] }");
+        project.write("large.json", &format!("{{ \"weights\": [{}2] }}", "0.5, ".repeat(288)));
         let found = diagnostics(&project, &[]);
         if found.len() != 1 || !found[0].starts_with(message) {
             wrong.push(format!("{shapes}: {found:?}"));

@@ -16,7 +16,7 @@ use mimesh_pipeline::{
 };
 use serde_json::{Value, json};
 
-use crate::cli::{out_file::OutFile, roots::Roots};
+use crate::cli::{help_commands, out_file::OutFile, roots::Roots};
 
 /// A source and a target, and what is known of them.
 #[derive(Debug, clap::Args)]
@@ -65,6 +65,7 @@ impl MeshPair {
             report: Some(self.report()),
             out: None,
             allow_commands: self.allow_commands,
+            help: help_commands::of_meshes(&self.source, &self.target),
         };
         prepare_document(document, &options, cache).map_err(in_arguments)
     }

@@ -7,6 +7,7 @@ mod compare;
 mod completions;
 mod components;
 mod flags;
+mod help_commands;
 mod inspect;
 mod keypoints;
 mod list;

@@ -19,8 +19,8 @@ use {
 };
 
 use crate::cli::{
-    cache::CacheOptions, flags::with_flags, profile::Profiler, progress::TerminalProgress, results_file::ResultsFile,
-    roots::Roots, saved_pipeline::SavedPipeline, status::Status, summary, terminal,
+    cache::CacheOptions, flags::with_flags, help_commands, profile::Profiler, progress::TerminalProgress,
+    results_file::ResultsFile, roots::Roots, saved_pipeline::SavedPipeline, status::Status, summary, terminal,
 };
 
 /// Runs a pipeline: pairs the meshes, transfers every pose and writes the results.
@@ -106,7 +106,8 @@ impl Run {
         let saved = self.save.as_deref().map(SavedPipeline::new).transpose()?;
         let cache = self.execution.cache.open()?;
         let mut profiler = self.execution.profiler()?;
-        let options = Options { allow_commands: self.allow_commands, ..self.overrides.options() };
+        let help = help_commands::of_pipeline(&self.pipeline);
+        let options = Options { allow_commands: self.allow_commands, help, ..self.overrides.options() };
         let all = pipeline::prepare_all(&self.pipeline, &options, cache.as_ref())?;
         if let Some(table) = &table {
             table.check(&all)?;

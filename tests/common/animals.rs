@@ -34,3 +34,18 @@ pub fn write(project: &Project, name: &str, settings: Value) {
         project.write(&format!("{name}-{}.obj", pose.name), &obj(&mesh, &pose.positions.get().unwrap()));
     }
 }
+
+/// The samples' gallop, small, with a report.
+pub fn gallop(project: &Project, more: &str) {
+    project.write(
+        "g.yaml",
+        &format!(
+            "source: {{ generator: {{ type: quadruped, proportions: horse, gait: gallop, resolution: 20, frames: 4 }} }}
+target: {{ generator: {{ type: quadruped, proportions: camel, gait: gallop, resolution: 20, frames: 4, seed: 1 }} }}
+correspondence: {{ type: nonrigid_fit }}
+transfer: {{ type: gradient }}
+output: [out/report.html, out/sheet.png, out/camel.glb]
+{more}"
+        ),
+    );
+}

@@ -9,7 +9,7 @@ use mimesh_core::{
     Error,
     mesh::{Mesh, MeshSequence},
     plugin,
-    spatial::MeshUnits,
+    spatial::{MeshUnits, UpAxis},
     stage::{FileInput, Format, MeshWriter, ScenePoint, Selection},
 };
 use mimesh_document::diagnostic::{self, Diagnostic, Kind, Location};
@@ -127,6 +127,11 @@ impl Formats {
 
     fn input(&self, path: &Path) -> FileOnDisk<'_> {
         FileOnDisk { path: path.into(), reach: &self.reach }
+    }
+
+    /// The axis that points up in the file `path`, if its format says it.
+    pub fn up_of(&self, path: &Path) -> Option<UpAxis> {
+        self.reader(path).ok()?.reads_in().up
     }
 
     fn reader_for(&self, path: &Path) -> Result<&dyn Format, Error> {

@@ -220,9 +220,11 @@ pub struct Target {
 pub struct PictureSettings {
     /// The side that is seen.
     pub view: ViewFrom,
-    /// The axis that points up.
-    pub up: Up,
-    /// The axis that points up in the target, where it is another than in the source.
+    /// The axis that points up; left out, that of the source: what `source.up` or its format says, else Y.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub up: Option<Up>,
+    /// The axis that points up in the target; left out, the target is turned as the markers or the correspondence say, so that
+    /// both are seen from the same side.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub target_up: Option<Up>,
 }

@@ -1,6 +1,6 @@
 //! An orthographic camera.
 
-use nalgebra::{Point3, Vector3};
+use nalgebra::{Matrix3, Point3, Vector3};
 
 /// The margin around the framed points, as a share of the picture's side.
 const MARGIN: f64 = 0.04;
@@ -68,6 +68,21 @@ impl View {
     /// not finite do not count; without any the unit box is framed.
     pub fn fit(points: impl IntoIterator<Item = Point3<f64>>, direction: Direction, up: UpAxis) -> Self {
         Self::frame(axes(direction, up), points)
+    }
+
+    /// Returns the view of a mesh that `turn` takes into the axes of another, from the direction from which the other is seen.
+    ///
+    /// `turn` is orthogonal. If it mirrors, the picture is the mirror image of what it would be without.
+    pub fn fit_turned(
+        points: impl IntoIterator<Item = Point3<f64>>,
+        direction: Direction,
+        up: UpAxis,
+        turn: &Matrix3<f64>,
+    ) -> Self {
+        let [right, up, towards] = axes(direction, up).map(|axis| turn.tr_mul(&axis));
+        // A picture shows the surface from outside, so its axes are right-handed.
+        let right = if turn.determinant() < 0.0 { -right } else { right };
+        Self::frame([right, up, towards], points)
     }
 
     fn frame(axes: [Vector3<f64>; 3], points: impl IntoIterator<Item = Point3<f64>>) -> Self {
@@ -199,6 +214,27 @@ mod tests {
         assert_eq!(axes(Direction::Top, UpAxis::Y)[2], Vector3::y());
         assert_eq!(axes(Direction::Front, UpAxis::Z), [Vector3::x(), Vector3::z(), -Vector3::y()]);
         assert_eq!(axes(Direction::Front, UpAxis::X)[1], Vector3::x());
+    }
+
+    #[test]
+    fn a_turned_mesh_looks_as_it_did_before_and_a_mirrored_one_as_in_a_mirror() {
+        let points = [[0.0, 1.0, 5.0], [2.0, -3.0, 1.0], [7.0, 0.5, -2.0], [1.0, 9.0, 0.0]].map(Point3::from);
+        // From Z up to Y up, and the mirror image along x.
+        let turn = Matrix3::new(1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, -1.0, 0.0);
+        let mirror = Matrix3::from_diagonal(&Vector3::new(-1.0, 1.0, 1.0));
+        for direction in DIRECTIONS {
+            let plain = View::fit(points, direction, UpAxis::Y);
+            for (change, sign) in [(turn, 1.0), (mirror, -1.0)] {
+                let changed = points.map(|p| change.transpose() * p);
+                let view = View::fit_turned(changed, direction, UpAxis::Y, &change);
+                for (before, after) in points.iter().zip(&changed) {
+                    let place = |view: View, p| view.project(p, 200.0, 100.0).unwrap();
+                    let (before, after) = (place(plain, before), place(view, after));
+                    assert!((sign * (before.x - 100.0) - (after.x - 100.0)).abs() < 1e-9, "{direction:?}");
+                    assert!((before.y - after.y).abs() < 1e-9 && (before.depth - after.depth).abs() < 1e-9);
+                }
+            }
+        }
     }
 
     #[test]

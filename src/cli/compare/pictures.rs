@@ -45,10 +45,7 @@ pub fn draw(report: &Report, file: &Path, roots: &Roots) -> (Vec<Image>, Vec<Str
 
 /// The camera that looks at the target of a run as the run's own pictures do.
 fn camera(report: &Report) -> Camera {
-    match serde_json::from_value(report.settings["pictures"].clone()) {
-        Ok(settings) => Camera::of_target(settings),
-        Err(_) => PictureSettings::default().into(),
-    }
+    Camera::of_report(report).unwrap_or_else(|_| PictureSettings::default().into())
 }
 
 /// Draws one result, with its errors in colour where the truth is known.

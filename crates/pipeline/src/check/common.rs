@@ -7,7 +7,10 @@ use mimesh_document::{At, Diagnostic, Kind, Step};
 use serde_json::Value;
 
 use super::findings::{Findings, Scope};
-use crate::{file_on_disk::Reach, input::InputFile};
+use crate::{
+    file_on_disk::Reach,
+    input::{HelpCommands, InputFile},
+};
 
 /// What a caller adds to a pipeline's file.
 #[derive(Clone, Debug, Default)]
@@ -22,6 +25,8 @@ pub struct Options {
     pub roots: Vec<PathBuf>,
     /// Whether stages may run programs of the user's; no file can say so.
     pub allow_commands: bool,
+    /// The commands of the host that the page of the run names.
+    pub help: HelpCommands,
 }
 
 impl Options {

@@ -225,6 +225,7 @@ fn prepare_one(
         markers: if are_proposed { OnceLock::new() } else { markers.into() },
         clicks,
         allow_commands: options.allow_commands,
+        help: options.help.clone(),
         proximity,
         truth,
         metrics,

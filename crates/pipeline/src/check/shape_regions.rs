@@ -2,6 +2,7 @@
 
 use std::{
     collections::{BTreeMap, HashMap},
+    path::PathBuf,
     sync::Arc,
 };
 
@@ -10,7 +11,7 @@ use mimesh_document::{At, path, suggest::did_you_mean};
 use super::{findings::Findings, shape_patterns::Patterns};
 use crate::{
     input::{PoseInput, RestMesh},
-    shapes::{Channel, Mask, Region, ShapeSettings},
+    shapes::{Channel, Mask, Region, ShapeSettings, read_mask},
     text::some_of,
 };
 
@@ -26,7 +27,15 @@ pub(super) fn regions(
     let mut by_mask: HashMap<&str, Arc<Region>> = HashMap::new();
     for (pattern, mask) in &settings.masks {
         let at = path(["shapes", "masks", pattern]);
-        let region = target.and_then(|target| match region(patterns, mask, poses, target, has_map) {
+        // A file that is not there is told even where there is no target.
+        let file = mask.file.as_ref().map(|file| {
+            let at = path(["shapes", "masks", pattern, "file"]);
+            let file = patterns.scope.path(&at, file);
+            found.input(patterns.scope, "mask", &file, &at).then_some(file)
+        });
+        let is_lost = matches!(file, Some(None));
+        let target = target.filter(|_| !is_lost);
+        let region = target.and_then(|target| match region(patterns, mask, file.flatten(), poses, target, has_map) {
             Ok(region) => Some(region),
             Err((message, hint)) => {
                 found.wrong(patterns.scope, &at, At::Value, message, hint);
@@ -50,17 +59,18 @@ pub(super) fn regions(
 /// What is wrong, and a way out.
 type Problem = (String, String);
 
-/// The region that `mask` says.
+/// The region that `mask` says; `file` is the place of its file.
 fn region(
     patterns: &Patterns<'_>,
     mask: &Mask,
+    file: Option<PathBuf>,
     poses: &[PoseInput],
     target: &RestMesh,
     has_map: bool,
 ) -> Result<Region, Problem> {
     let surface = &target.surface;
-    match (&mask.vertices, &mask.parts, mask.color, &mask.shape) {
-        (Some(vertices), None, None, None) => {
+    match (&mask.vertices, &mask.parts, mask.color, &mask.shape, file) {
+        (Some(vertices), None, None, None, None) => {
             let count = surface.vertex_of.len();
             let mut inside = vec![false; surface.vertex_count()];
             for &v in vertices {
@@ -71,7 +81,7 @@ fn region(
             }
             Ok(Region::Inside(inside))
         }
-        (None, Some(parts), None, None) => {
+        (None, Some(parts), None, None, None) => {
             let mesh = &target.sequence.rest;
             let names = |part: &mimesh_core::mesh::Part| -> Vec<String> {
                 part.object.iter().chain(&part.groups).chain(&part.material).cloned().collect()
@@ -93,7 +103,7 @@ fn region(
             }
             Ok(Region::Inside(inside))
         }
-        (None, None, Some(channel), None) => {
+        (None, None, Some(channel), None, None) => {
             let Some(colors) = &target.sequence.rest.vertex_colors else {
                 let hint = "paint its vertices in a format that keeps colours, or use `parts` or `vertices`";
                 return Err(("the vertices of the target have no colours".into(), hint.into()));
@@ -101,7 +111,7 @@ fn region(
             let share = |&v: &u32| colors[v as usize][channel_index(channel)].clamp(0.0, 1.0);
             Ok(Region::Shares(surface.representative.iter().map(share).collect()))
         }
-        (None, None, None, Some(shape)) => {
+        (None, None, None, Some(shape), None) => {
             let Some(pose) = poses.iter().find(|pose| pose.name == *shape) else {
                 let known = || format!("shapes: {}", some_of(patterns.names));
                 let hint = did_you_mean(shape, patterns.names).unwrap_or_else(known);
@@ -113,8 +123,12 @@ fn region(
             }
             Ok(Region::MovedBy(pose.clone()))
         }
+        (None, None, None, None, Some(file)) => {
+            let shares = read_mask(&file, surface.vertex_of.len())?;
+            Ok(Region::Shares(surface.representative.iter().map(|&v| shares[v as usize]).collect()))
+        }
         _ => Err((
-            "a mask has one of the keys `vertices`, `parts`, `color` and `shape`".into(),
+            "a mask has one of the keys `vertices`, `parts`, `color`, `shape` and `file`".into(),
             "e.g. `{ parts: [Face] }`".into(),
         )),
     }

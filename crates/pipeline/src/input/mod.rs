@@ -2,6 +2,7 @@
 
 mod file_hashes;
 mod ground_truth;
+mod help_commands;
 mod output_change;
 mod outputs;
 mod poses;
@@ -10,6 +11,7 @@ mod rest_mesh;
 
 pub use file_hashes::{FileHashes, HashedFile};
 pub use ground_truth::GroundTruth;
+pub use help_commands::HelpCommands;
 pub use output_change::OutputChange;
 pub use outputs::{Output, Outputs};
 pub use poses::{PoseFrom, PoseInput, evenly_spaced, poses_are, read_evenly_spaced, read_pose};

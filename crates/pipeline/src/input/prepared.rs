@@ -13,7 +13,7 @@ use mimesh_core::{
 use mimesh_document::Document;
 use mimesh_markers::MarkerFiles;
 
-use super::{FileHashes, GroundTruth, OutputChange, Outputs, PoseInput, RestMesh};
+use super::{FileHashes, GroundTruth, HelpCommands, OutputChange, Outputs, PoseInput, RestMesh};
 use crate::{
     choices::Choice, compose::Variant, formats::Formats, metrics::Gate, report::StageReport, shapes::ShapeEdit,
     spec::Pipeline,
@@ -48,6 +48,8 @@ pub struct Prepared {
     pub clicks: Vec<Marker>,
     /// Whether stages may run programs of the user's.
     pub allow_commands: bool,
+    /// The commands of the host that the page of the run names.
+    pub help: HelpCommands,
     /// The proximity graph of the target, which the checks of stages needed; `None` if there is no such stage.
     pub proximity: Option<ProximityInput>,
     /// The known results.

@@ -3,6 +3,7 @@
 //! [`Verdict`] and [`PoseMetrics`] are data that reports and the cache keep. [`Gate`]s come from the declared statistics.
 //! [`MetricSet`] measures poses and gives verdicts. [`over_poses`] reads the reports of all poses.
 
+mod declared;
 mod faults;
 mod gates;
 mod landmark_doubt;
@@ -12,6 +13,7 @@ mod point_error;
 mod pose_metrics;
 pub mod verdict;
 
+pub use declared::{declared_statistic, limit_with_unit, unit, with_unit};
 pub use faults::faults;
 pub use gates::{Gate, Unknown, gates};
 pub use landmark_doubt::landmark_doubt;

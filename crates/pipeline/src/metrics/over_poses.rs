@@ -6,8 +6,11 @@ use mimesh_core::{
 };
 use serde_json::{Map, Value, json};
 
-use super::verdict::Reason;
-use crate::report::PoseReport;
+use super::{
+    declared::{declared, unit},
+    verdict::Reason,
+};
+use crate::report::{PoseReport, Report};
 
 /// The statistic that stands for a metric in tables.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -22,6 +25,30 @@ impl PrimaryStatistic {
     /// Its value in a pose; `None` if it was not measured.
     pub fn of(&self, pose: &PoseReport) -> Option<f64> {
         pose.metrics.number(&self.metric, &self.statistic)
+    }
+
+    /// The gate of a run for it, the smaller one if both its keys are set.
+    pub fn gate(&self, report: &Report) -> Option<f64> {
+        let Self { metric, statistic } = self;
+        // The metric alone names the gate of the statistic that it declares first.
+        let is_first = declared(metric).first().is_some_and(|first| first.name == statistic);
+        let keys = [Some(format!("{metric}_{statistic}")), is_first.then(|| metric.clone())];
+        let gates = keys.iter().flatten().filter_map(|key| report.gates.get(key)?.as_f64());
+        gates.reduce(f64::min)
+    }
+
+    /// Its name in words with its unit: `point error mean, %`.
+    pub fn words(&self) -> String {
+        format!("{} {}{}", self.metric, self.statistic, self.unit_behind()).replace('_', " ")
+    }
+
+    /// Its unit behind its name: `, %`; empty where it is not known, or is the name itself.
+    pub fn unit_behind(&self) -> String {
+        match unit(&self.metric, &self.statistic) {
+            "" => String::new(),
+            unit if unit == self.statistic => String::new(),
+            unit => format!(", {unit}"),
+        }
     }
 
     /// Whether all poses share its value, since its metric looks at rest meshes, markers and the map alone.
@@ -77,11 +104,6 @@ pub fn over_poses(poses: &[PoseReport]) -> Map<String, Value> {
         result.insert(metric.to_owned(), summary);
     }
     result
-}
-
-/// The statistics that a metric declares; empty if it is not linked into this program.
-fn declared(metric: &str) -> Vec<Statistic> {
-    plugin::instance::<dyn Metric>(metric).map(|metric| metric.statistics()).unwrap_or_default()
 }
 
 /// Combines each statistic of `poses` (mappings of statistics to values) by `how`, which also gets the declared aggregate.

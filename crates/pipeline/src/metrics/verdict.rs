@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::text::number;
+use super::declared::{limit_with_unit, unit, with_unit};
 
 /// How bad a statistic or a pose is, from the best to the worst.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Deserialize, Serialize)]
@@ -75,12 +75,12 @@ impl Level {
 }
 
 impl Reason {
-    /// The reason for people: `edge stretch p99 85.1, above 60`.
+    /// The reason for people: `edge stretch p99 85.1 %, above 60 %`.
     pub fn words(&self) -> String {
         self.in_words("")
     }
 
-    /// The same for the worst of several poses: `edge stretch p99 up to 85.1, above 60`.
+    /// The same for the worst of several poses: `edge stretch p99 up to 85.1 %, above 60 %`.
     pub fn words_of_worst(&self) -> String {
         self.in_words("up to ")
     }
@@ -94,7 +94,8 @@ impl Reason {
         let at =
             |about: &String| if about.starts_with("around") { format!(" {about}") } else { format!(" at {about}") };
         let about = self.about.as_ref().map(at).unwrap_or_default();
-        format!("{statistic} {how}{}{about}, above {}", number(value), number(self.limit))
+        let unit = unit(&self.metric, &self.statistic);
+        format!("{statistic} {how}{}{about}, above {}", with_unit(value, unit), limit_with_unit(self.limit, unit))
     }
 
     /// The size of the value over its limit: at least 1, and infinite if the limit is 0 or there is no value.

@@ -69,7 +69,16 @@ pub struct Axes<'a> {
     /// Whether numbers along x are counts, which begin at 1.
     pub counts: bool,
     /// A level that should not be crossed.
-    pub limit: Option<f64>,
+    pub limit: Option<Limit>,
+}
+
+/// A level that values should not cross.
+#[derive(Clone, Debug)]
+pub struct Limit {
+    /// The level.
+    pub at: f64,
+    /// What it is, with its unit: `bad above 60 %`.
+    pub name: String,
 }
 
 /// Returns a chart as a figure of a page.
@@ -123,9 +132,9 @@ fn content(axes: &Axes<'_>, lines: &[Line]) -> Markup {
         @if !axes.y.is_empty() {
             text x="12" y=(middle[1]) text-anchor="middle" transform=(format!("rotate(-90 12 {})", middle[1])) { (axes.y) }
         }
-        @if let Some(limit) = axes.limit.filter(|limit| *limit <= axes.upto[1]) {
-            line.limit x1=(LEFT) x2=(SIZE[0] - RIGHT) y1=(plot.y(limit)) y2=(plot.y(limit)) {}
-            text x=(SIZE[0] - RIGHT) y=(round(plot.y(limit) - 4.0)) text-anchor="end" { "limit" }
+        @if let Some(limit) = axes.limit.as_ref().filter(|limit| limit.at <= axes.upto[1]) {
+            line.limit x1=(LEFT) x2=(SIZE[0] - RIGHT) y1=(plot.y(limit.at)) y2=(plot.y(limit.at)) {}
+            text x=(SIZE[0] - RIGHT) y=(round(plot.y(limit.at) - 4.0)) text-anchor="end" { (limit.name) }
         }
         @for line in lines { (stroke(&plot, line)) (dots(&plot, line)) }
         (legend(lines))

@@ -9,6 +9,7 @@ use super::{
     chart::{Axes, Line, chart},
     curves::{last_error, share_points, shares},
     elements::{Image, badge, document, picture},
+    words::name,
 };
 use crate::{
     metrics::{PrimaryStatistic, primary_statistics},
@@ -35,8 +36,9 @@ pub fn compare(title: &str, runs: &[ComparedRun]) -> String {
     document(
         title,
         html! {
-            header { h1 { (title) } }
+            header { h1 { (name(title)) } }
             (averages(runs))
+            (next_step(runs))
             (curves(runs))
             (poses(runs))
             (pictures(runs))
@@ -81,18 +83,36 @@ fn averages(runs: &[ComparedRun]) -> Markup {
             h2 { "Average over poses" }
             div.scroll {
                 table.numbers {
-                    tr { th { "" } @for run in runs { th { (run.name) } } }
+                    tr { th { "" } @for run in runs { th { (name(&run.name)) } } }
                     tr {
                         th { "verdict" }
                         @for run in runs { td { @if let Some(worst) = run.report.verdict { (badge(worst)) } } }
                     }
                     @for column in columns(runs) {
                         @let values: Vec<_> = runs.iter().map(|run| average(&run.report, &column)).collect();
-                        (row(runs, &format!("{} {}", column.metric, column.statistic).replace('_', " "), &values))
+                        (row(runs, &column.words(), &values))
                     }
                     tr { th { "markers" } @for run in runs { td { (run.report.markers) } } }
                     tr { th { "time" } @for run in runs { td { (seconds(run.report.seconds)) } } }
                 }
+            }
+        }
+    }
+}
+
+/// Returns what to do with the comparison.
+fn next_step(runs: &[ComparedRun]) -> Markup {
+    let column = columns(runs).into_iter().next();
+    let values = |column: &PrimaryStatistic| runs.iter().map(|run| average(&run.report, column)).collect::<Vec<_>>();
+    let best = column.as_ref().and_then(|column| Some((column, best(runs, &values(column))?)));
+    html! {
+        p {
+            strong { "What to do next: " }
+            @if let Some((column, best)) = best {
+                code { (name(&runs[best].name)) } " is best by " (column.words()) ". Look at its pictures beside the others. If they \
+                agree, take over its settings, which stand at the end of this page."
+            } @else {
+                "No run is best by the first metric. Look at the pictures, and at the settings that differ, at the end of this page."
             }
         }
     }
@@ -103,7 +123,7 @@ fn row(runs: &[ComparedRun], name: &str, values: &[Option<f64>]) -> Markup {
     let best = best(runs, values);
     html! {
         tr {
-            th { (name) }
+            th { (self::name(name)) }
             @for (i, value) in values.iter().enumerate() {
                 td {
                     @match value {
@@ -161,10 +181,10 @@ fn poses(runs: &[ComparedRun]) -> Markup {
     };
     html! {
         section {
-            h2 { (format!("{}, {}", column.metric, column.statistic).replace('_', " ")) " of each pose" }
+            h2 { "Each pose: " (column.words()) }
             div.scroll {
                 table.numbers {
-                    tr { th { "pose" } @for run in runs { th { (run.name) } } }
+                    tr { th { "pose" } @for run in runs { th { (name(&run.name)) } } }
                     @for name in names(runs) {
                         (row(runs, name, &runs.iter().map(|run| value(run, name)).collect::<Vec<_>>()))
                     }
@@ -182,10 +202,10 @@ fn pictures(runs: &[ComparedRun]) -> Markup {
                 h2 { "Pictures" }
                 div.scroll {
                     table.pictures {
-                        tr { th { "" } @for run in runs { th { (run.name) } } }
+                        tr { th { "" } @for run in runs { th { (name(&run.name)) } } }
                         @for name in names(runs) {
                             tr {
-                                th { (name) }
+                                th { (self::name(name)) }
                                 @for run in runs { td { @if let Some(image) = of(run, name) { (picture(&image)) } } }
                             }
                         }
@@ -208,11 +228,11 @@ fn settings(runs: &[ComparedRun]) -> Markup {
             h2 { "Settings that differ" }
             div.scroll {
                 table.facts {
-                    tr { th { "" } @for run in runs { th { (run.name) } } }
+                    tr { th { "" } @for run in runs { th { (name(&run.name)) } } }
                     @for key in keys.iter().filter(differs) {
                         tr {
-                            th { code { (key) } }
-                            @for one in &flat { td { code { (one.get(*key).map_or("–", String::as_str)) } } }
+                            th { code { (name(key)) } }
+                            @for one in &flat { td { code { (name(one.get(*key).map_or("–", String::as_str))) } } }
                         }
                     }
                 }

@@ -1,14 +1,16 @@
 //! The curves of a run: errors of vertices, and the main figure of each metric over poses.
 
 use maud::{Markup, html};
-use mimesh_core::{plugin, stage::Metric};
 use serde_json::Value;
 
-use super::chart::{Axes, Line, chart, round_up};
+use super::chart::{Axes, Limit, Line, chart, round_up};
 use crate::{
-    metrics::{PrimaryStatistic, primary_statistics},
+    metrics::{PrimaryStatistic, declared_statistic, limit_with_unit, primary_statistics, unit},
     report::Report,
 };
+
+/// Values above this share of the doubtful limit have it in their chart.
+const NEAR_LIMIT: f64 = 0.3;
 
 /// Returns the share of vertices within an error, and the main figure of each metric over poses.
 pub fn curves(report: &Report) -> Markup {
@@ -87,21 +89,20 @@ fn over_poses(report: &Report, column: &PrimaryStatistic) -> Markup {
     }
     let reasons = report.poses.iter().filter_map(|pose| pose.verdict.as_ref()).flat_map(|verdict| &verdict.reasons);
     let broken = reasons.filter(|r| r.metric == column.metric && r.statistic == column.statistic).map(|r| r.limit);
-    let full = format!("{}_{}", column.metric, column.statistic);
-    // The metric alone names the gate of its primary statistic.
-    let keys = [Some(&full), Some(&column.metric).filter(|_| is_primary(column))];
-    let gates = keys.into_iter().flatten().filter_map(|key| report.gates.get(key)?.as_f64());
-    let gate = gates.reduce(f64::min);
-    let limit = gate.or(broken.reduce(f64::min));
+    let unit = unit(&column.metric, &column.statistic);
     let highest = lines.iter().flat_map(|line| &line.points).map(|p| p[1].abs()).filter(|y| y.is_finite());
-    let top = round_up(highest.fold(limit.unwrap_or(0.0), f64::max));
+    let highest = highest.fold(0.0, f64::max);
+    let declared = declared_statistic(&column.metric, &column.statistic).and_then(|declared| declared.limits);
+    // Far below the limit the curve would be flat.
+    let near = declared.map(|limits| limits.doubtful).filter(|doubtful| highest > NEAR_LIMIT * doubtful);
+    let named = |what: &str, at: f64| Limit { at, name: format!("{what} {}", limit_with_unit(at, unit)) };
+    let own = broken.reduce(f64::min).or(near).map(|at| {
+        let is_bad = declared.is_some_and(|limits| at == limits.bad && at > limits.doubtful);
+        named(if is_bad { "bad above" } else { "doubtful above" }, at)
+    });
+    let limit = column.gate(report).map(|at| named("gate", at)).or(own);
+    let top = round_up(limit.as_ref().map_or(highest, |limit| highest.max(limit.at)));
     let title = format!("{}, {}", column.metric, column.statistic).replace('_', " ");
-    let axes = Axes { title: &title, x: "pose", y: "", upto: [report.poses.len() as f64, top], counts: true, limit };
+    let axes = Axes { title: &title, x: "pose", y: unit, upto: [report.poses.len() as f64, top], counts: true, limit };
     chart(&axes, &lines)
-}
-
-/// Whether `column` is the statistic that its metric declares first.
-fn is_primary(column: &PrimaryStatistic) -> bool {
-    let metric = plugin::instance::<dyn Metric>(&column.metric);
-    metric.is_some_and(|metric| metric.statistics().first().is_some_and(|first| first.name == column.statistic))
 }

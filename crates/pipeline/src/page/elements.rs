@@ -3,7 +3,7 @@
 use base64::{Engine, prelude::BASE64_STANDARD};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-use super::chart;
+use super::{chart, words::name};
 use crate::metrics::Level;
 
 /// A picture with its description.
@@ -44,7 +44,7 @@ pub fn figure(image: &Image) -> Markup {
     html! {
         figure {
             (picture(image))
-            figcaption { (image.name) }
+            figcaption { (name(&image.name)) }
         }
     }
 }

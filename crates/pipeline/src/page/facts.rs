@@ -3,9 +3,12 @@
 use maud::{Markup, html};
 use serde_json::Value;
 
-use super::elements::badge;
+use super::{
+    elements::badge,
+    words::{name, prose},
+};
 use crate::{
-    metrics::Level,
+    metrics::{Level, with_unit},
     report::{InputReport, MeshFigures, Report, StageReport},
     text::{bytes, count, number, seconds},
 };
@@ -19,7 +22,7 @@ pub fn head(report: &Report, title: &str) -> Markup {
     let levels = [Level::Failed, Level::Bad, Level::Doubtful, Level::Good];
     html! {
         header {
-            h1 { (title) }
+            h1 { (name(title)) }
             p.verdict {
                 @if let Some(worst) = report.verdict { (badge(worst)) " " } @else { span.badge { "not measured" } " " }
                 (count(report.poses.len(), "pose", "poses"))
@@ -27,11 +30,11 @@ pub fn head(report: &Report, title: &str) -> Markup {
                 @if failed > 0 { ", " strong { (failed) " not transferred" } }
             }
             table.facts {
-                tr { th { "Source" } td { (mesh(&report.source)) } }
-                tr { th { "Target" } td { (mesh(&report.target)) } }
+                tr { th { "Source" } td { (mesh(&report.source, report.settings["source"]["unit"].as_str())) } }
+                tr { th { "Target" } td { (mesh(&report.target, report.settings["target"]["unit"].as_str())) } }
                 tr { th { "Markers" } td { (report.markers) } }
                 @for stage in report.stages.iter().filter(|stage| !stage.name.is_empty()) {
-                    tr { th { (capital(&stage.stage)) } td { code { (stage.name) } } }
+                    tr { th { (capital(&stage.stage)) } td { code { (name(&stage.name)) } } }
                 }
                 tr { th { "Time" } td { (seconds(report.seconds)) " on " (count(report.threads, "thread", "threads")) } }
             }
@@ -39,13 +42,14 @@ pub fn head(report: &Report, title: &str) -> Markup {
     }
 }
 
-fn mesh(mesh: &MeshFigures) -> String {
+/// Returns the sizes of a mesh; `unit` is that of its file, if the pipeline says it.
+fn mesh(mesh: &MeshFigures, unit: Option<&str>) -> String {
     let mut text =
         format!("{}, {}", count(mesh.vertices, "vertex", "vertices"), count(mesh.triangles, "triangle", "triangles"));
     if mesh.components > 1 {
         text += &format!(", {}", count(mesh.components, "component", "components"));
     }
-    format!("{text}, diagonal {}", number(mesh.diagonal))
+    format!("{text}, diagonal {} {}", number(mesh.diagonal), unit.unwrap_or("units of the file"))
 }
 
 fn capital(word: &str) -> String {
@@ -56,46 +60,6 @@ fn capital(word: &str) -> String {
     letters
 }
 
-/// Returns the average and the worst of each metric over poses.
-pub fn averages(report: &Report) -> Markup {
-    let cell = |summary: &Value, over: &str, figure: &str| match summary[over][figure].as_f64() {
-        Some(value) => number(value),
-        None => "–".into(),
-    };
-    html! {
-        @if !report.metrics.is_empty() {
-            section {
-                h2 { "Metrics over all poses" }
-                p.note { "The descriptions of the metrics say what each figure is." }
-                @for (metric, summary) in &report.metrics {
-                    @let baseline = summary["nothing"].as_object().is_some_and(|figures| !figures.is_empty());
-                    details open[metric == "point_error"] {
-                        summary { (metric.replace('_', " ")) }
-                        div.scroll {
-                            table.numbers {
-                                tr {
-                                    th { "" } th { "average" } th { "worst" }
-                                    @if baseline { th { "doing nothing" } }
-                                }
-                                @for (figure, value) in summary["average"].as_object().into_iter().flatten() {
-                                    @if value.is_number() {
-                                        tr {
-                                            th { (figure.replace('_', " ")) }
-                                            td { (cell(summary, "average", figure)) }
-                                            td { (cell(summary, "worst", figure)) }
-                                            @if baseline { td { (cell(summary, "nothing", figure)) } }
-                                        }
-                                    }
-                                }
-                            }
-                        }
-                    }
-                }
-            }
-        }
-    }
-}
-
 /// Returns what was chosen for the user, and why.
 pub fn choices(report: &Report) -> Markup {
     html! {
@@ -104,7 +68,7 @@ pub fn choices(report: &Report) -> Markup {
                 h2 { "Chosen by the meshes" }
                 table.facts {
                     @for choice in &report.choices {
-                        tr { th { (capital(&choice.stage.replace('.', " "))) } td { code { (choice.chosen) } ": " (choice.why) } }
+                        tr { th { (capital(&choice.stage.replace('.', " "))) } td { code { (name(&choice.chosen)) } ": " (prose(&choice.why)) } }
                     }
                 }
             }
@@ -121,7 +85,7 @@ pub fn warnings(report: &Report) -> Markup {
         @if !all.is_empty() {
             section {
                 h2 { "Warnings" }
-                ul { @for warning in all { li { (warning) } } }
+                ul { @for warning in all { li { (prose(warning)) } } }
             }
         }
     }
@@ -140,7 +104,7 @@ pub fn stages(report: &Report) -> Markup {
                     @for stage in &report.stages {
                         tr {
                             th { (stage.stage.replace('_', " ")) }
-                            td.word { (stage.name) }
+                            td.word { (name(&stage.name)) }
                             td { @if stage.reused { "cached" } @else { (seconds(stage.seconds)) } }
                             td.bar { span style=(format!("width:{:.1}%", share(stage))) {} }
                         }
@@ -149,10 +113,11 @@ pub fn stages(report: &Report) -> Markup {
             }
             @for stage in report.stages.iter().filter(|stage| !stage.figures.values.is_empty()) {
                 details {
-                    summary { (stage.stage) " (" (stage.name) ")" }
+                    summary { (name(&stage.stage)) " (" (name(&stage.name)) ")" }
                     table.facts {
-                        @for (name, value) in &stage.figures.values {
-                            tr { th { (name.replace('_', " ")) } td { (short(value)) } }
+                        @for (figure, value) in &stage.figures.values {
+                            @let (words, unit) = figure_and_unit(figure);
+                            tr { th { (words) } td { (short(value, unit)) } }
                         }
                     }
                 }
@@ -161,11 +126,21 @@ pub fn stages(report: &Report) -> Markup {
     }
 }
 
-fn short(value: &Value) -> String {
+/// Returns the name of a stage's figure in words, and its unit, which the end of the name says.
+fn figure_and_unit(figure: &str) -> (String, &'static str) {
+    let units = [("_percent", "%"), ("_degrees", "°")];
+    let found = units.iter().find_map(|(end, unit)| Some((figure.strip_suffix(end)?, *unit)));
+    let (words, unit) = found.unwrap_or((figure, if figure.ends_with("ratio") { "ratio" } else { "" }));
+    (words.replace('_', " "), unit)
+}
+
+/// Returns a figure of a stage with its unit, lists of a few numbers in full.
+fn short(value: &Value, unit: &str) -> String {
     match value {
         Value::String(text) => text.clone(),
-        Value::Number(_) => value.as_f64().map(number).unwrap_or_default(),
+        Value::Number(_) => value.as_f64().map(|value| with_unit(value, unit)).unwrap_or_default(),
         Value::Array(list) if list.len() > 12 => format!("{} values", list.len()),
+        Value::Array(list) => list.iter().map(|value| short(value, unit)).collect::<Vec<_>>().join(", "),
         _ => value.to_string(),
     }
 }
@@ -178,9 +153,9 @@ pub fn provenance(report: &Report) -> Markup {
         section {
             h2 { "Provenance" }
             table.facts {
-                tr { th { "Pipeline" } td { code { (report.pipeline.display()) } } }
-                tr { th { "mimesh" } td { (report.mimesh) } }
-                @if !report.set.is_empty() { tr { th { "Set" } td { @for set in &report.set { code { (set) } " " } } } }
+                tr { th { "Pipeline" } td { code { (name(&report.pipeline.display().to_string())) } } }
+                tr { th { "Version" } td { (report.mimesh) } }
+                @if !report.set.is_empty() { tr { th { "Set" } td { @for set in &report.set { code { (name(set)) } " " } } } }
                 @if let Some(peak) = report.process.peak_memory_bytes { tr { th { "Memory" } td { "at most " (bytes(peak)) } } }
             }
             details {
@@ -195,7 +170,7 @@ pub fn provenance(report: &Report) -> Markup {
                         @for input in &report.inputs {
                             tr {
                                 th { (input.role) }
-                                td { code { (input.path.display()) } }
+                                td { code { (name(&input.path.display().to_string())) } }
                                 td { (bytes(input.bytes)) }
                                 td { code title=(input.blake3) { (input.blake3.get(..16).unwrap_or(&input.blake3)) "…" } }
                             }
@@ -208,7 +183,7 @@ pub fn provenance(report: &Report) -> Markup {
                 div.scroll {
                     table.facts {
                         @for output in &report.outputs {
-                            tr { td { code { (output.path.display()) } } td { (bytes(output.bytes)) } }
+                            tr { td { code { (name(&output.path.display().to_string())) } } td { (bytes(output.bytes)) } }
                         }
                     }
                 }

@@ -3,13 +3,16 @@
 //! A page is one file. It is made from what `run.json` holds and from pictures. No script runs in it, so that it opens
 //! anywhere, prints, and can be mailed. Colours follow the reader's light or dark preference.
 
+mod averages;
 pub mod chart;
 mod compare;
 mod curves;
 mod elements;
 mod facts;
+mod next_steps;
 mod poses;
 mod run;
+mod words;
 
 pub use self::{
     compare::{ComparedRun, average, best, columns, compare},

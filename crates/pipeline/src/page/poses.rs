@@ -1,10 +1,16 @@
 //! Poses one by one: the worst with pictures, and all in a table.
 
 use maud::{Markup, html};
+use mimesh_core::stage::Limits;
 
-use super::elements::{self, Image, badge, picture};
+use super::{
+    elements::{self, Image, badge, picture},
+    words::{name, prose, together},
+};
 use crate::{
-    metrics::{Level, PrimaryStatistic, Verdict, faults, primary_statistics},
+    metrics::{
+        Level, PrimaryStatistic, Reason, Verdict, declared_statistic, faults, limit_with_unit, primary_statistics, unit,
+    },
     report::{PoseReport, Report},
     text::number,
 };
@@ -26,7 +32,7 @@ pub fn worst(report: &Report, images: &[Image]) -> Markup {
                     article.worst {
                         (picture(image))
                         div {
-                            h3 { (pose.name) " " @if let Some(verdict) = &pose.verdict { (badge(verdict.level)) } }
+                            h3 { (name(&pose.name)) " " @if let Some(verdict) = &pose.verdict { (badge(verdict.level)) } }
                             (reasons(pose.verdict.as_ref()))
                         }
                     }
@@ -36,14 +42,14 @@ pub fn worst(report: &Report, images: &[Image]) -> Markup {
     }
 }
 
-/// Returns what is wrong with the run, in plain words.
+/// Returns what is wrong with the poses, in plain words; what is wrong with map and markers stands with these.
 pub fn meaning(report: &Report) -> Markup {
-    let found = faults(report.verdicts());
+    let found = faults(report.poses.iter().filter_map(|pose| pose.verdict.as_ref()));
     html! {
         @if !found.is_empty() {
             section {
                 h2 { "What that means" }
-                dl { @for (metric, fault) in &found { dt { (metric.replace('_', " ")) } dd { (fault) } } }
+                dl { @for (metric, fault) in &found { dt { (metric.replace('_', " ")) } dd { (prose(fault)) } } }
             }
         }
     }
@@ -52,7 +58,22 @@ pub fn meaning(report: &Report) -> Markup {
 /// Returns the reasons of a verdict as a list.
 fn reasons(verdict: Option<&Verdict>) -> Markup {
     let reasons = verdict.into_iter().flat_map(|verdict| &verdict.reasons);
-    html! { ul { @for one in reasons { li { (one.words()) } } } }
+    html! { ul { @for one in reasons { li { (prose(&one.words())) @if let Some(limits) = limits(one) { (limits) } } } } }
+}
+
+/// Returns the other limit of a statistic, so that a reader sees how bad its value is.
+fn limits(reason: &Reason) -> Option<Markup> {
+    let limits = declared_statistic(&reason.metric, &reason.statistic)?.limits?;
+    let unit = unit(&reason.metric, &reason.statistic);
+    let (level, limit) = match reason.level {
+        Level::Doubtful => ("bad", limits.bad),
+        Level::Bad => ("doubtful", limits.doubtful),
+        Level::Failed | Level::Good => return None,
+    };
+    // A known result says more than a suspicion, which then makes nothing worse than doubtful.
+    let is_held_back = reason.level == Level::Doubtful && reason.value.is_some_and(|value| value.abs() > limits.bad);
+    let otherwise = if is_held_back { " where no result is known" } else { "" };
+    Some(html! { span.note { " (" (level) " above " (together(&limit_with_unit(limit, unit))) (otherwise) ")" } })
 }
 
 /// Returns what is wrong with map and markers, once for all poses.
@@ -62,8 +83,27 @@ pub fn shared(report: &Report) -> Markup {
         @if let Some(verdict) = verdict {
             section {
                 h2 { "Map and markers " (badge(verdict.level)) }
-                p.note { "These concern the whole run, whatever the poses." }
+                p.note { "All poses share this, so it stands here once." }
                 (reasons(Some(verdict)))
+                @for (_, fault) in faults([verdict]) { p { (prose(&sentence(fault))) } }
+            }
+        }
+    }
+}
+
+/// Returns words as a sentence.
+fn sentence(words: &str) -> String {
+    let mut letters = words.chars();
+    letters.next().map(|first| format!("{}{}.", first.to_uppercase(), letters.as_str())).unwrap_or_default()
+}
+
+/// Returns the row of limits of one level in the table of poses; nothing if no column has one.
+fn limit_row(heading: &str, limits: &[Option<f64>]) -> Markup {
+    html! {
+        @if limits.iter().any(Option::is_some) {
+            tr.limits {
+                th { (heading) } td.word { "" }
+                @for limit in limits { td { @if let Some(limit) = limit { (limit_with_unit(*limit, "")) } } }
             }
         }
     }
@@ -83,6 +123,11 @@ pub fn table(report: &Report) -> Markup {
             reasons.filter(|r| r.metric == column.metric && r.statistic == column.statistic).map(|r| r.level).max();
         level.map(elements::class).unwrap_or_default()
     };
+    let limits = |of: fn(Limits) -> f64| -> Vec<Option<f64>> {
+        let declared = |column: &PrimaryStatistic| declared_statistic(&column.metric, &column.statistic)?.limits;
+        columns.iter().map(|column| declared(column).map(of)).collect()
+    };
+    let gates: Vec<Option<f64>> = columns.iter().map(|column| column.gate(report)).collect();
     html! {
         section {
             h2 { "Verdict of each pose" }
@@ -90,16 +135,19 @@ pub fn table(report: &Report) -> Markup {
                 table.numbers {
                     tr {
                         th { "pose" } th.word { "verdict" }
-                        @for column in &columns { th { (column.metric.replace('_', " ")) br; small { (column.statistic.replace('_', " ")) } } }
+                        @for column in &columns { th { (column.metric.replace('_', " ")) br; small { (column.statistic.replace('_', " ")) (column.unit_behind()) } } }
                     }
+                    (limit_row("doubtful above", &limits(|limits| limits.doubtful)))
+                    (limit_row("bad above", &limits(|limits| limits.bad)))
+                    (limit_row("gate", &gates))
                     @for pose in &report.poses {
                         tr {
-                            th.name { (pose.name) }
+                            th.name { (name(&pose.name)) }
                             td.word {
                                 @if let Some(error) = &pose.error {
                                     span.badge.failed { "not transferred" } " "
-                                    @if let Some(file) = error["file"].as_str() { code { (file) } ": " }
-                                    (error["message"].as_str().unwrap_or_default())
+                                    @if let Some(file) = error["file"].as_str() { code { (name(file)) } ": " }
+                                    (prose(error["message"].as_str().unwrap_or_default()))
                                 } @else if let Some(verdict) = &pose.verdict {
                                     (badge(verdict.level))
                                 }

@@ -3,11 +3,14 @@
 use maud::{Markup, html};
 
 use super::{
+    averages::averages,
     curves::curves,
     elements::{Image, document, figure},
-    facts, poses,
+    facts,
+    next_steps::next_steps,
+    poses,
 };
-use crate::report::Report;
+use crate::{input::HelpCommands, report::Report};
 
 /// The pictures of a run.
 #[derive(Clone, Debug, Default)]
@@ -20,8 +23,8 @@ pub struct Pictures {
     pub sheet: Vec<Image>,
 }
 
-/// Returns the page of a run.
-pub fn page(report: &Report, pictures: &Pictures) -> String {
+/// Returns the page of a run; its next steps name the commands of the host, `help`.
+pub fn page(report: &Report, pictures: &Pictures, help: &HelpCommands) -> String {
     let name = report.pipeline.file_stem().unwrap_or_default().to_string_lossy();
     let title = match &report.run {
         Some(run) => format!("{name} · {}", run.name),
@@ -33,6 +36,7 @@ pub fn page(report: &Report, pictures: &Pictures) -> String {
             (facts::head(report, &title))
             (poses::meaning(report))
             (poses::shared(report))
+            (next_steps(report, help))
             (poses::worst(report, &pictures.worst))
             (poses::table(report))
             @if !pictures.sheet.is_empty() {
@@ -48,7 +52,7 @@ pub fn page(report: &Report, pictures: &Pictures) -> String {
                     div.rests { @for image in &pictures.rest { (figure(image)) } }
                 }
             }
-            (facts::averages(report))
+            (averages(report))
             (facts::choices(report))
             (facts::warnings(report))
             (facts::stages(report))
@@ -61,7 +65,7 @@ fn sheet(images: &[Image], poses: usize) -> Markup {
     html! {
         p.note {
             @if images.len() < poses { (images.len()) " of " (poses) " poses, spread over all of them. " }
-            "What is seen from behind is dark red."
+            "Source and result are seen from the same side. What is seen from the back is dark red."
         }
         div.sheet { @for image in images { (figure(image)) } }
     }

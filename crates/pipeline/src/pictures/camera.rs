@@ -1,9 +1,12 @@
 //! The direction from which meshes are drawn.
 
 use mimesh_render::{Direction, UpAxis, View};
-use nalgebra::Point3;
+use nalgebra::{Matrix3, Point3};
 
-use crate::spec::{PictureSettings, Up, ViewFrom};
+use crate::{
+    report::{MeshView, Report},
+    spec::{PictureSettings, Up, ViewFrom},
+};
 
 /// The side that a mesh is seen from.
 #[derive(Clone, Copy, Debug)]
@@ -12,6 +15,8 @@ pub struct Camera {
     pub direction: Direction,
     /// The axis of the mesh's file that points up.
     pub up: UpAxis,
+    /// The rotation that takes the mesh into the axes in which it is looked at.
+    pub turn: Matrix3<f64>,
 }
 
 impl From<PictureSettings> for Camera {
@@ -23,19 +28,35 @@ impl From<PictureSettings> for Camera {
             ViewFrom::Side => Direction::Side,
             ViewFrom::Top => Direction::Top,
         };
-        let up = match settings.up {
-            Up::X => UpAxis::X,
-            Up::Y => UpAxis::Y,
-            Up::Z => UpAxis::Z,
-        };
-        Self { direction, up }
+        Self { direction, up: axis(settings.up.unwrap_or_default()), turn: Matrix3::identity() }
     }
 }
 
 impl Camera {
     /// Returns the camera for a target, whose file may have another axis up.
     pub fn of_target(settings: PictureSettings) -> Self {
-        PictureSettings { up: settings.target_up.unwrap_or(settings.up), ..settings }.into()
+        PictureSettings { up: settings.target_up.or(settings.up), ..settings }.into()
+    }
+
+    /// Returns the camera for the target of a run, which sees it as the pictures of the run do.
+    ///
+    /// # Errors
+    ///
+    /// If the settings in the report cannot be read.
+    pub fn of_report(report: &Report) -> serde_json::Result<Self> {
+        let settings = serde_json::from_value(report.settings["pictures"].clone())?;
+        let Some(view) = report.target_view else { return Ok(Self::of_target(settings)) };
+        Ok(Self { up: axis(view.up), turn: Matrix3::from(view.turn), ..settings.into() })
+    }
+
+    /// Returns how this camera sees its mesh, as reports keep it.
+    pub fn mesh_view(self) -> MeshView {
+        let up = match self.up {
+            UpAxis::X => Up::X,
+            UpAxis::Y => Up::Y,
+            UpAxis::Z => Up::Z,
+        };
+        MeshView { up, turn: self.turn.into() }
     }
 
     /// Returns the camera on the other side of the mesh.
@@ -51,6 +72,15 @@ impl Camera {
 
     /// Returns the view that frames `positions` (#V).
     pub(super) fn view(self, positions: &[Point3<f64>]) -> View {
-        View::fit(positions.iter().copied(), self.direction, self.up)
+        View::fit_turned(positions.iter().copied(), self.direction, self.up, &self.turn)
+    }
+}
+
+/// Returns the axis for pictures.
+fn axis(up: Up) -> UpAxis {
+    match up {
+        Up::X => UpAxis::X,
+        Up::Y => UpAxis::Y,
+        Up::Z => UpAxis::Z,
     }
 }

@@ -14,7 +14,7 @@ use super::Camera;
 use crate::page::Image;
 
 /// The pixels below a mesh for the legend of its colours.
-const LEGEND_HEIGHT: u32 = 36;
+pub(super) const LEGEND_HEIGHT: u32 = 36;
 
 /// Returns a picture as it goes into a page; `alt` says what it shows to those who cannot see it.
 pub fn image(name: &str, alt: String, picture: &Picture) -> Image {

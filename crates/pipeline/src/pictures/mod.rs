@@ -4,6 +4,7 @@
 //! - [`draw_mesh`], [`draw_markers`]: a mesh with its errors, or with numbered points;
 //! - [`Thumbnails`]: source, result and errors of each pose, drawn while poses stream by.
 
+mod alignment;
 mod camera;
 mod drawing;
 mod thumbnails;

@@ -6,7 +6,10 @@ use std::{
     sync::{Mutex, MutexGuard, PoisonError},
 };
 
-use mimesh_core::{mesh::SurfacePoint, stage::Measured};
+use mimesh_core::{
+    mesh::SurfacePoint,
+    stage::{Measured, TriangleMap},
+};
 use mimesh_render::{
     Canvas, Cell, Paint, Picture, Size,
     colour::{INK, SAND, STEEL, WHITE},
@@ -16,12 +19,13 @@ use nalgebra::Point3;
 
 use super::{
     Camera,
-    drawing::{Field, draw_field, draw_markers, image},
+    drawing::{Field, LEGEND_HEIGHT, draw_field, draw_markers, image},
 };
 use crate::{
     input::{Prepared, evenly_spaced},
     metrics::{Level, PoseMeasurements, Verdict},
     page::{Image, Pictures},
+    report::MeshView,
 };
 
 /// The most poses with a thumbnail; of more poses some have one, spread over all.
@@ -87,12 +91,16 @@ struct Severity {
 }
 
 impl<'a> Thumbnails<'a> {
-    /// Prepares for the poses of `prepared`.
-    pub fn new(prepared: &'a Prepared) -> Self {
+    /// Prepares for the poses of `prepared`, whose target is turned as its markers or `map` say.
+    pub fn new(prepared: &'a Prepared, map: Option<&TriangleMap>) -> Self {
         let mut chosen = vec![false; prepared.poses.len()];
         evenly_spaced(prepared.poses.len(), MAX_THUMBNAILS).into_iter().for_each(|i| chosen[i] = true);
-        let settings = prepared.pipeline.pictures;
-        Self { prepared, cameras: [settings.into(), Camera::of_target(settings)], chosen, drawn: Mutex::default() }
+        Self { prepared, cameras: Camera::of_pair(prepared, map), chosen, drawn: Mutex::default() }
+    }
+
+    /// How the target is seen.
+    pub fn target_view(&self) -> MeshView {
+        self.cameras[1].mesh_view()
     }
 
     /// Draws the pose with number `i`; poses may come in any order, from many threads.
@@ -122,15 +130,17 @@ impl<'a> Thumbnails<'a> {
         let Prepared { source: from, target, .. } = self.prepared;
         let shown = field(measurements, verdict);
         let mut picture = Picture::new(pixels * if shown.is_some() { 3 } else { 2 }, pixels, WHITE);
+        // All meshes of a picture have as much room as the one with a legend below.
+        let height = if shown.is_some() { pixels - LEGEND_HEIGHT } else { pixels };
         if let Some(source) = source {
             let view = self.cameras[0].view(&from.surface.positions).and(&self.cameras[0].view(source));
-            let mut canvas = Canvas::new(pixels, pixels, view);
+            let mut canvas = Canvas::new(pixels, height, view);
             canvas.mesh(source, &from.surface.triangles, &Paint::Plain(STEEL));
             canvas.draw_onto(&mut picture, 0, 0);
             write_title(&mut picture, 0, "source");
         }
         let view = self.cameras[1].view(&target.surface.positions).and(&self.cameras[1].view(result));
-        let mut canvas = Canvas::new(pixels, pixels, view);
+        let mut canvas = Canvas::new(pixels, height, view);
         canvas.mesh(result, &target.surface.triangles, &Paint::Plain(SAND));
         canvas.draw_onto(&mut picture, pixels as i32, 0);
         write_title(&mut picture, pixels, "result");

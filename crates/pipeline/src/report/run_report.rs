@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use mimesh_core::{
     Figures,
     mesh::{MeshPoint, Topology},
+    spatial::UpAxis,
 };
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
@@ -59,6 +60,9 @@ pub struct Report {
     /// The verdict on rest meshes, markers and map, whose faults all poses share; none where they were not measured.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rest_verdict: Option<Verdict>,
+    /// How the pictures of the target see it; none where nothing was drawn.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub target_view: Option<MeshView>,
     /// The gates of the pipeline.
     #[serde(default, skip_serializing_if = "Map::is_empty")]
     pub gates: Map<String, Value>,
@@ -109,6 +113,15 @@ impl RunOf {
             matrix: values.iter().cloned().collect(),
         })
     }
+}
+
+/// How pictures see a mesh.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+pub struct MeshView {
+    /// The axis that points up once it is turned.
+    pub up: UpAxis,
+    /// The rotation that turns it, column by column.
+    pub turn: [[f64; 3]; 3],
 }
 
 /// A file that was read.

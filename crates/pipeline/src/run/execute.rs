@@ -94,7 +94,7 @@ fn execute(prepared: &Prepared, plan: &Plan, cache: Option<&Cache>, progress: &d
         None => info_span!("metrics").in_scope(|| MetricSet::bind(&prepared.metrics, context(prepared, &stages)))?,
     };
     let metrics = metrics.with_gates(&prepared.gates);
-    let thumbnails = prepared.outputs.are_visual().then(|| Thumbnails::new(prepared));
+    let thumbnails = prepared.outputs.are_visual().then(|| Thumbnails::new(prepared, stages.cached_map()));
     let measurer =
         Measurer { prepared, metrics: &metrics, measured: measured.as_deref(), thumbnails: thumbnails.as_ref() };
     let shapes = Shapes::new(prepared, &stages);
@@ -121,6 +121,7 @@ fn execute(prepared: &Prepared, plan: &Plan, cache: Option<&Cache>, progress: &d
     report.warnings.splice(prepared.warnings.len()..prepared.warnings.len(), warnings.into_iter().chain(of_rest));
     deduplicate(&mut report.warnings);
     if let Some(thumbnails) = thumbnails {
+        report.target_view = Some(thumbnails.target_view());
         let visual = written::visual_outputs(prepared, &report, thumbnails)?;
         report.outputs.extend(visual.iter().map(Staged::written));
         staged.extend(visual);
@@ -195,6 +196,7 @@ fn assemble(
         run: RunOf::new(&prepared.variant),
         verdict: worst(&poses).max(shared).max(unmeasured.first().map(|_| Level::Failed)),
         rest_verdict,
+        target_view: None,
         gates: prepared.gates.iter().map(|gate| (gate.key.clone(), gate.limit.into())).collect(),
         warnings: prepared.warnings.iter().cloned().chain(unmeasured).chain(of_cache).collect(),
         metrics: over_poses(&poses),

@@ -35,7 +35,7 @@ pub(super) fn visual_outputs(
         staged.push(staging::stage_bytes(path, &thumbnails.sheet())?);
     }
     if !prepared.outputs.pages.is_empty() {
-        let page = page::page(report, &thumbnails.pictures());
+        let page = page::page(report, &thumbnails.pictures(), &prepared.help);
         for path in &prepared.outputs.pages {
             staged.push(staging::stage_bytes(path, page.as_bytes())?);
         }

@@ -3,14 +3,17 @@
 //! - [`ShapeSettings`]: what a pipeline says of them;
 //! - [`Convention`]: the names that programs give to shapes of faces;
 //! - [`side`]: left and right in names;
-//! - [`ShapeEdit`]: what becomes of one shape.
+//! - [`ShapeEdit`]: what becomes of one shape;
+//! - [`read_mask`]: a painted mask.
 
 mod conventions;
 mod edit;
+mod mask_file;
 mod settings;
 mod sides;
 
 pub use conventions::Convention;
 pub use edit::{Region, ShapeEdit};
+pub use mask_file::read_mask;
 pub use settings::{Channel, Mask, Mirror, ShapeSettings};
 pub use sides::{Side, side};

@@ -78,6 +78,10 @@ pub struct Mask {
     /// A shape of the source: what follows a vertex that it moves.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub shape: Option<String>,
+    /// A mask as the studio paints it, a JSON file: the share of the motion that each vertex of the target's file takes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("examples" = ["jaw.target.mask.json"]))]
+    pub file: Option<PathBuf>,
 }
 
 /// A channel of colours.
