@@ -17,8 +17,7 @@ struct MaskFile {
 /// What is wrong, and a way out: for a file that cannot be read, another number of weights, and weights out of range.
 pub fn read_mask(file: &Path, count: usize) -> Result<Vec<f64>, (String, String)> {
     let at = file.display();
-    let hint =
-        || "paint it in the studio, or write { \"weights\": [ … ] } with one number for each vertex".to_owned();
+    let hint = || "paint it in the studio, or write { \"weights\": [ … ] } with one number for each vertex".to_owned();
     let text = fs::read_to_string(file).map_err(|error| (format!("{at}: {error}"), hint()))?;
     let MaskFile { weights } = serde_json::from_str(&text).map_err(|error| (format!("{at}: {error}"), hint()))?;
     let weights = weights.ok_or_else(|| (format!("{at} has no `weights`"), hint()))?;
