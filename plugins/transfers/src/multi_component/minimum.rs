@@ -6,7 +6,8 @@ use super::{
     gaps::Gap,
     gradient_term::EdgeGoals,
     prior::Prior,
-    system::{Continued, Sideways, System},
+    sideways::Sideways,
+    system::{Continued, System},
 };
 
 /// Conjugate gradients end once the residual, measured by the energy, has fallen to this part squared.

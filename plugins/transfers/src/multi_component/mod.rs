@@ -23,6 +23,7 @@
 //! unless asked otherwise.
 
 mod bound;
+mod detail_term;
 mod foot_contacts;
 mod gaps;
 mod gradient_term;
@@ -30,6 +31,7 @@ mod joints;
 mod minimum;
 mod prior;
 mod rigid;
+mod sideways;
 mod system;
 mod term_weights;
 mod tetrahedra;

@@ -4,15 +4,16 @@ use mimesh_core::{
     Result,
     linalg::{Assembly, Multifrontal},
     mesh::Surface,
-    operators::{Gradient, Tetrahedron, cotangent_laplacian, gradients},
+    operators::{Gradient, Tetrahedron, gradients},
     stage::ProximityGraph,
 };
 use nalgebra::{Matrix3, Point3, Vector3};
-use nalgebra_sparse::CscMatrix;
 
 use super::{
+    detail_term::Detail,
     gaps::Gap,
     gradient_term::GradientTerm,
+    sideways::Sideways,
     term_weights::TermWeights,
     tetrahedra::{Bridge, bridges},
 };
@@ -68,17 +69,6 @@ struct Held {
     weight: f64,
 }
 
-/// E4 of orphan components.
-#[derive(Debug)]
-pub struct Detail {
-    laplacian: CscMatrix<f64>,
-    /// Vertices of orphan components.
-    vertices: Vec<u32>,
-    /// ‖(L v)ᵢ‖ at rest.
-    lengths: Vec<f64>,
-    weight: f64,
-}
-
 /// The differences between deformation gradients of orphans and of their neighbours that E2 is to have.
 #[derive(Clone, Copy)]
 pub enum Continued<'a> {
@@ -86,33 +76,6 @@ pub enum Continued<'a> {
     Alike,
     /// Those of a field (#F) in which orphans continue their neighbours.
     As(&'a [Matrix3<f64>]),
-}
-
-/// By how much a term w ‖d − ‖e‖ n‖², with n = d/‖d‖ held, is stiffer than w (‖d‖ − ‖e‖)² sideways of d.
-#[derive(Clone, Copy, Debug)]
-pub struct Sideways {
-    direction: Vector3<f64>,
-    stiffness: f64,
-}
-
-impl Sideways {
-    /// No difference.
-    pub const NONE: Self = Self { direction: Vector3::new(0.0, 0.0, 0.0), stiffness: 0.0 };
-
-    /// For d = `now`, ‖e‖ = `length` and w = `weight`.
-    ///
-    /// The second derivative of the energy is 1 − ‖e‖/‖d‖ there, and counts as 0 where it is negative.
-    pub fn new(now: Vector3<f64>, length: f64, weight: f64) -> Self {
-        match now.try_normalize(1e-300) {
-            Some(direction) => Self { direction, stiffness: weight * (length / now.norm()).min(1.0) },
-            None => Self::NONE,
-        }
-    }
-
-    /// The difference times a change of d.
-    pub fn of(&self, change: Vector3<f64>) -> Vector3<f64> {
-        (change - self.direction * self.direction.dot(&change)) * self.stiffness
-    }
 }
 
 impl Continued<'_> {
@@ -324,31 +287,17 @@ impl System {
 
     /// E4's Laplacian coordinates at rest, turned by what `rotation` says of each vertex.
     pub fn turned_details(&self, rotation: impl Fn(u32) -> Matrix3<f64>) -> Vec<Vector3<f64>> {
-        let Some(detail) = &self.detail else { return vec![] };
-        let at_rest = coordinates(&detail.laplacian, &detail.vertices, |v| self.rest[v].coords);
-        detail.vertices.iter().zip(at_rest).map(|(&v, d)| rotation(v) * d).collect()
+        self.detail.as_ref().map_or(vec![], |detail| detail.turned(&self.rest, rotation))
     }
 
     /// By how much the matrix is stiffer than E4 sideways of the directions at `now`; empty if there is no orphan component.
     pub fn sideways_of_details(&self, now: &[Point3<f64>]) -> Vec<Sideways> {
-        let Some(detail) = &self.detail else { return vec![] };
-        let now = coordinates(&detail.laplacian, &detail.vertices, |v| now[v].coords);
-        now.into_iter().zip(&detail.lengths).map(|(d, &length)| Sideways::new(d, length, detail.weight)).collect()
+        self.detail.as_ref().map_or(vec![], |detail| detail.sideways(now))
     }
 
     /// Subtracts the product of what [`sideways_of_details`](Self::sideways_of_details) gave and `direction`.
     pub fn subtract_sideways_of_details(&self, sideways: &[Sideways], direction: &[f64], product: &mut [f64]) {
-        let Some(detail) = &self.detail else { return };
-        let n = self.unknowns;
-        let at = |v: usize| Vector3::new(direction[v], direction[n + v], direction[2 * n + v]);
-        let of_direction = coordinates(&detail.laplacian, &detail.vertices, at);
-        for ((&v, d), sideways) in detail.vertices.iter().zip(of_direction).zip(sideways) {
-            let force = sideways.of(d);
-            let column = detail.laplacian.col(v as usize);
-            for (&i, &value) in column.row_indices().iter().zip(column.values()) {
-                (0..3).for_each(|c| product[c * n + i] -= value * force[c]);
-            }
-        }
+        self.detail.iter().for_each(|detail| detail.subtract_sideways(sideways, direction, product));
     }
 
     /// The diagonal of the target at rest.
@@ -385,73 +334,6 @@ impl System {
         }
         energy
     }
-}
-
-impl Detail {
-    /// Adds w4 LᵀL of orphan components to the matrix.
-    fn new(target: &Surface, weight: f64, is_orphan: impl Fn(u32) -> bool, assembly: &mut Assembly) -> Option<Self> {
-        let triangles: Vec<[u32; 3]> = target.triangles.iter().copied().filter(|t| is_orphan(t[0])).collect();
-        if triangles.is_empty() || weight == 0.0 {
-            return None;
-        }
-        let lower = cotangent_laplacian(&target.positions, &triangles);
-        let mut full = nalgebra_sparse::CooMatrix::new(lower.nrows(), lower.ncols());
-        for (i, j, &value) in lower.triplet_iter() {
-            full.push(i, j, value);
-            if i != j {
-                full.push(j, i, value);
-            }
-        }
-        let laplacian = CscMatrix::from(&full);
-        let mut vertices: Vec<u32> = triangles.iter().flatten().copied().collect();
-        vertices.sort_unstable();
-        vertices.dedup();
-        for &v in &vertices {
-            let column = laplacian.col(v as usize);
-            let indices: Vec<u32> = column.row_indices().iter().map(|&i| i as u32).collect();
-            let rows: Vec<[f64; 1]> = column.values().iter().map(|&x| [x]).collect();
-            assembly.add_outer(&indices, &rows, weight);
-        }
-        let lengths =
-            coordinates(&laplacian, &vertices, |v| target.positions[v].coords).iter().map(Vector3::norm).collect();
-        Some(Self { laplacian, vertices, lengths, weight })
-    }
-
-    /// δ̂ᵢ = (L x)ᵢ ‖(L v)ᵢ‖ / ‖(L x)ᵢ‖: the direction from now, the length from rest.
-    fn goals(&self, now: &[Point3<f64>]) -> Vec<Vector3<f64>> {
-        let coordinates = coordinates(&self.laplacian, &self.vertices, |v| now[v].coords);
-        let goal = |(d, length): (&Vector3<f64>, &f64)| d.try_normalize(1e-300).unwrap_or_default() * *length;
-        coordinates.iter().zip(&self.lengths).map(goal).collect()
-    }
-
-    fn add_rhs(&self, goals: &[Vector3<f64>], x: &mut [f64]) {
-        let n = x.len() / 3;
-        for (&v, goal) in self.vertices.iter().zip(goals) {
-            let column = self.laplacian.col(v as usize);
-            for (&i, &value) in column.row_indices().iter().zip(column.values()) {
-                (0..3).for_each(|c| x[c * n + i] += self.weight * value * goal[c]);
-            }
-        }
-    }
-
-    fn energy(&self, now: &[Point3<f64>]) -> f64 {
-        let coordinates = coordinates(&self.laplacian, &self.vertices, |v| now[v].coords);
-        let difference = |(d, length): (&Vector3<f64>, &f64)| (d.norm() - length).powi(2);
-        self.weight * coordinates.iter().zip(&self.lengths).map(difference).sum::<f64>()
-    }
-}
-
-/// (L x)ᵢ of some vertices, x being at `position` of each.
-fn coordinates(
-    laplacian: &CscMatrix<f64>,
-    vertices: &[u32],
-    position: impl Fn(usize) -> Vector3<f64>,
-) -> Vec<Vector3<f64>> {
-    let at = |&v: &u32| {
-        let column = laplacian.col(v as usize);
-        column.row_indices().iter().zip(column.values()).map(|(&i, &w)| position(i) * w).sum()
-    };
-    vertices.iter().map(at).collect()
 }
 
 /// Holds the edges of a triangle; returns what a gradient multiplies into the right-hand side.
