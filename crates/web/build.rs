@@ -1,4 +1,4 @@
-//! Compiles the crate again when the built page changes; the page itself is built by npm alone.
+//! Compiles the crate again when what is built of `web/` changes; npm alone builds it.
 
 fn main() {
     println!("cargo::rerun-if-changed=../../web/dist");

@@ -35,6 +35,7 @@ const COLOURS: [&str; 8] = ["#2f6f8f", "#d1495b", "#7a9e3a", "#8d5fb0", "#e08e2b
 pub fn compare(title: &str, runs: &[ComparedRun]) -> String {
     document(
         title,
+        None,
         html! {
             header { h1 { (name(title)) } }
             (averages(runs))
