@@ -3,6 +3,8 @@ import { cssColour, formatNumber, sampleColour, ticks } from '../viewer/colours.
 import type { FieldEntry } from './data.ts';
 
 const STOPS = 16;
+/** Scales end at numbers such as 5, 20 and 100. */
+const TICKS = 6;
 
 /** The scale of the colours, with name, unit and numbers. */
 export class Legend {
@@ -20,7 +22,7 @@ export class Legend {
   show(field: FieldEntry | null): void {
     this.element.hidden = field === null;
     if (!field) return;
-    const numbers = ticks(0, field.high).map(formatNumber);
+    const numbers = ticks(0, field.high, TICKS).map(formatNumber);
     if (field.over) numbers.push(`>${numbers.pop()}`);
     this.title.textContent = field.unit;
     fill(this.figures, ...numbers.map((number) => h('span', {}, number)));

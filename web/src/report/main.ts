@@ -13,6 +13,8 @@ function start(section: HTMLElement, data: ReportData): void {
   const sheet = new CSSStyleSheet();
   sheet.replaceSync(style);
   document.adoptedStyleSheets.push(sheet);
+  // It is there for those without scripts.
+  document.getElementById('view-3d-without')?.remove();
   let stage: Stage;
   try {
     stage = new Stage(data);

@@ -42,6 +42,7 @@ export class Stage {
   readonly cameras: Cameras;
   private readonly viewer: Viewer;
   private readonly surfaces: Surface[];
+  private isFirst = true;
   private readonly missing = h('p', { class: 'v3-missing', hidden: true }, 'The posed source is not known.');
 
   constructor(data: ReportData) {
@@ -71,6 +72,9 @@ export class Stage {
       surface.setPositions(shapes[side]);
       surface.setWireframe(wireframe);
     });
+    this.cameras.fit(shapes.map((positions, side) => centred(positions, frames[side], diagonal)));
+    if (this.isFirst) this.cameras.reset();
+    this.isFirst = false;
     const isUnknown = !rest && pose.source === null;
     this.surfaces[0].group.visible = !isUnknown;
     this.missing.hidden = !isUnknown;
@@ -110,6 +114,11 @@ export class Stage {
     });
     this.viewer.invalidate();
   }
+}
+
+function centred(positions: Float32Array, { centre }: Frame, diagonal: number): Float32Array {
+  const middle = centre.toArray();
+  return positions.map((c, i) => (c - middle[i % 3]) / diagonal);
 }
 
 function surfaceOf(mesh: MeshEntry): Surface {
