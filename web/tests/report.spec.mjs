@@ -190,11 +190,15 @@ test('the wheel scrolls the page until a view is clicked', { skip: missing }, as
   await page.close();
 });
 
-test('axe finds nothing serious, in light and dark', { skip: missing }, async () => {
-  for (const colorScheme of ['light', 'dark']) {
-    const page = await open(1200, { colorScheme });
+test('axe finds nothing serious in the page, in light and dark, wide and narrow', { skip: missing }, async () => {
+  for (const [width, colorScheme] of [
+    [1200, 'light'],
+    [390, 'light'],
+    [390, 'dark'],
+  ]) {
+    const page = await open(width, { colorScheme });
     await page.evaluate(AXE);
-    const found = await page.evaluate(() => window.axe.run('#view-3d'));
+    const found = await page.evaluate(() => window.axe.run(document));
     const serious = found.violations.filter(({ impact }) => impact === 'serious' || impact === 'critical');
     assert.deepEqual(
       serious.map(({ id, nodes }) => `${id}: ${nodes[0].html.slice(0, 120)}`),

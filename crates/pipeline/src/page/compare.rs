@@ -82,7 +82,7 @@ fn averages(runs: &[ComparedRun]) -> Markup {
     html! {
         section {
             h2 { "Average over poses" }
-            div.scroll {
+            div.scroll tabindex="0" {
                 table.numbers {
                     tr { th { "" } @for run in runs { th { (name(&run.name)) } } }
                     tr {
@@ -183,7 +183,7 @@ fn poses(runs: &[ComparedRun]) -> Markup {
     html! {
         section {
             h2 { "Each pose: " (column.words()) }
-            div.scroll {
+            div.scroll tabindex="0" {
                 table.numbers {
                     tr { th { "pose" } @for run in runs { th { (name(&run.name)) } } }
                     @for name in names(runs) {
@@ -201,7 +201,7 @@ fn pictures(runs: &[ComparedRun]) -> Markup {
         @if runs.iter().any(|run| !run.pictures.is_empty()) {
             section {
                 h2 { "Pictures" }
-                div.scroll {
+                div.scroll tabindex="0" {
                     table.pictures {
                         tr { th { "" } @for run in runs { th { (name(&run.name)) } } }
                         @for name in names(runs) {
@@ -227,7 +227,7 @@ fn settings(runs: &[ComparedRun]) -> Markup {
     html! {
         section {
             h2 { "Settings that differ" }
-            div.scroll {
+            div.scroll tabindex="0" {
                 table.facts {
                     tr { th { "" } @for run in runs { th { (name(&run.name)) } } }
                     @for key in keys.iter().filter(differs) {

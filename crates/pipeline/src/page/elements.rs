@@ -19,6 +19,15 @@ pub struct Image {
     pub size: [u32; 2],
 }
 
+/// Pictures of one pose that stand side by side, or below each other where there is little room.
+#[derive(Clone, Debug, Default)]
+pub struct PanelImages {
+    /// The name of the pose.
+    pub name: String,
+    /// Source, result, and errors as far as there are any.
+    pub panels: Vec<Image>,
+}
+
 /// Returns a page of HTML with its style sheet, in which at most one script runs.
 pub fn document(title: &str, script: Option<&str>, body: Markup) -> String {
     html! {

@@ -20,7 +20,7 @@ mod words;
 pub use self::{
     compare::{ComparedRun, average, best, columns, compare},
     content_policy::script_source,
-    elements::Image,
-    run::{PanelImages, Pictures, page},
+    elements::{Image, PanelImages},
+    run::{Pictures, page},
     scene::{Coordinates, Scene, SceneField, SceneMesh, ScenePose, View3d},
 };

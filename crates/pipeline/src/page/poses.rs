@@ -4,8 +4,7 @@ use maud::{Markup, html};
 use mimesh_core::stage::Limits;
 
 use super::{
-    elements::{self, badge, picture},
-    run::PanelImages,
+    elements::{self, PanelImages, badge, picture},
     words::{name, prose, together},
 };
 use crate::{
@@ -133,7 +132,7 @@ pub fn table(report: &Report) -> Markup {
     html! {
         section {
             h2 { "Verdict of each pose" }
-            div.scroll {
+            div.scroll tabindex="0" {
                 table.numbers {
                     tr {
                         th { "pose" } th.word { "verdict" }

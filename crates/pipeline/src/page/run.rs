@@ -5,7 +5,7 @@ use maud::{Markup, html};
 use super::{
     averages::averages,
     curves::curves,
-    elements::{Image, document, figure},
+    elements::{Image, PanelImages, document, figure},
     facts,
     next_steps::next_steps,
     poses,
@@ -25,15 +25,6 @@ pub struct Pictures {
     pub sheet: Vec<Image>,
     /// The worst poses to be turned, if the pipeline asks for that.
     pub view_3d: Option<View3d>,
-}
-
-/// Pictures of one pose that stand side by side, or below each other where there is little room.
-#[derive(Clone, Debug, Default)]
-pub struct PanelImages {
-    /// The name of the pose.
-    pub name: String,
-    /// Source, result, and errors as far as there are any.
-    pub panels: Vec<Image>,
 }
 
 /// Returns the page of a run; its next steps name the commands of the host, `help`.
