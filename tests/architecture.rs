@@ -7,15 +7,16 @@ use std::{
 };
 
 /// The crates that each crate of ours may stand on; cargo itself refuses circles.
-const ARROWS: [(&str, &[&str]); 8] = [
+const ARROWS: [(&str, &[&str]); 9] = [
     ("core", &[]),
     ("document", &[]),
     ("render", &[]),
+    ("web", &[]),
     ("markers", &["core", "document"]),
     ("pipeline", &["core", "document", "markers", "render"]),
-    ("studio", &["core", "document", "markers", "pipeline"]),
+    ("studio", &["core", "document", "markers", "pipeline", "web"]),
     ("plugins", &["core"]),
-    ("mimesh", &["core", "document", "markers", "pipeline", "render", "studio", "plugins"]),
+    ("mimesh", &["core", "document", "markers", "pipeline", "render", "studio", "web", "plugins"]),
 ];
 
 /// Crates of others that belong to a command line, which only the program may use.

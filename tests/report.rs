@@ -84,10 +84,10 @@ fn the_page_needs_no_other_file_and_has_every_pose() {
     for pose in poses {
         assert!(page.contains(&format!("<th class=\"name\">{}</th>", pose["name"].as_str().unwrap())), "{pose}");
     }
-    // Source and target from two sides, the small pictures, and the large ones of what is not good, or of the largest errors.
+    // Source and target from two sides, the small pictures, and three large ones of each pose that is not good, or of the largest errors.
     let not_good = poses.iter().filter(|pose| pose["verdict"]["level"] != "good").count();
     let large = if not_good > 0 { not_good } else { poses.len() };
-    assert_eq!(page.matches("<img ").count(), 4 + poses.len() + large.min(6));
+    assert_eq!(page.matches("<img ").count(), 4 + poses.len() + 3 * large.min(6));
     assert_eq!(page.matches("alt=\"").count(), page.matches("<img ").count(), "every picture has a text");
     let [width, height] = png_size(&project.path("out/sheet.png"));
     assert!(width > 1000 && height > 300, "{width} x {height}");

@@ -1,7 +1,9 @@
 import { defineConfig } from 'vite';
 import { licences } from './build/licences.ts';
+import { notices } from './build/notices.ts';
 
-export default defineConfig({
+/** The page of the studio. */
+const studio = defineConfig({
   // The server may serve the page below any path.
   base: './',
   plugins: [licences()],
@@ -13,3 +15,21 @@ export default defineConfig({
     chunkSizeWarningLimit: 900,
   },
 });
+
+/** The script that stands in a report, which needs no other file. */
+const report = defineConfig({
+  publicDir: false,
+  plugins: [notices()],
+  build: {
+    target: 'es2023',
+    outDir: 'dist/report',
+    modulePreload: false,
+    chunkSizeWarningLimit: 900,
+    rolldownOptions: {
+      input: 'src/report/main.ts',
+      output: { format: 'iife', entryFileNames: 'viewer.js' },
+    },
+  },
+});
+
+export default defineConfig(({ mode }) => (mode === 'report' ? report : studio));

@@ -66,6 +66,7 @@ impl MeshPair {
             out: None,
             allow_commands: self.allow_commands,
             help: help_commands::of_meshes(&self.source, &self.target),
+            view_script: super::view_script(),
         };
         prepare_document(document, &options, cache).map_err(in_arguments)
     }

@@ -39,6 +39,7 @@ use std::process::ExitCode;
 
 use clap::{CommandFactory, Parser, Subcommand};
 use mimesh_document::diagnostic;
+use mimesh_pipeline::input::ViewScript;
 
 use crate::cli::status::Status;
 
@@ -129,3 +130,8 @@ pub fn main() -> ExitCode {
 
 /// The exit status of a command, or the diagnostics that stopped it.
 type CommandResult = diagnostic::Result<Status>;
+
+/// The script of the 3D view that reports may have.
+fn view_script() -> ViewScript {
+    ViewScript { text: mimesh_web::report_viewer(), hint: mimesh_web::HOW_TO_BUILD.into() }
+}

@@ -128,7 +128,8 @@ impl Render {
 
     /// Draws one mesh: with markers if they are given, else with errors if `truth` is given.
     fn cell(&self, posed: &PosedMesh, truth: Option<&PosedMesh>, formats: &Formats) -> Result<Cell> {
-        let camera: Camera = PictureSettings { view: self.view, up: Some(self.up), target_up: None }.into();
+        let camera: Camera =
+            PictureSettings { view: self.view, up: Some(self.up), ..PictureSettings::default() }.into();
         let surface = Surface::new(&posed.mesh).map_err(|error| in_file(&posed.file, error))?;
         let picture = if let Some(file) = &self.markers {
             pictures::draw_markers(&surface, &self.points(file, posed, &surface, formats)?, camera, self.size, STEEL)

@@ -94,6 +94,7 @@ impl Overrides {
             settings: self.settings.clone(),
             out: self.out.clone(),
             roots: self.roots.folders(),
+            view_script: super::view_script(),
             ..Options::default()
         }
     }

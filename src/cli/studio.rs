@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use mimesh_document::diagnostic::{Diagnostic, Kind, Location};
-use mimesh_studio::{BUILD_PAGE, Server, Start, StudioOptions, is_built};
+use mimesh_studio::{Server, Start, StudioOptions};
 
 use crate::cli::{CommandResult, cache::CacheOptions, roots::Roots, status::Status, terminal};
 
@@ -41,10 +41,9 @@ pub struct StudioCommand {
 impl StudioCommand {
     /// Runs the command.
     pub fn run(&self) -> CommandResult {
-        if !is_built() {
+        if !mimesh_web::has_studio() {
             let message = "the page is not part of this program: it was not built before the program";
-            let hint = format!("in the folder of the sources run `{BUILD_PAGE}`, then build the program again");
-            return Err(Diagnostic::new(Kind::Usage, message).hint(hint).into());
+            return Err(Diagnostic::new(Kind::Usage, message).hint(mimesh_web::HOW_TO_BUILD).into());
         }
         let start = match &self.files[..] {
             [] => None,

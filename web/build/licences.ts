@@ -15,18 +15,17 @@ export function licences(): Plugin {
     name: 'licences',
     apply: 'build',
     generateBundle(_options, bundle) {
-      const folders = new Set<string>();
-      for (const chunk of Object.values(bundle)) {
-        if (chunk.type !== 'chunk') continue;
-        for (const id of chunk.moduleIds) {
-          const folder = packageFolder(id);
-          if (folder) folders.add(folder);
-        }
-      }
-      const found = [...folders].map(readLicence).sort((a, b) => a.name.localeCompare(b.name));
+      const modules = Object.values(bundle).flatMap((chunk) => (chunk.type === 'chunk' ? chunk.moduleIds : []));
+      const found = foundLicences(modules);
       this.emitFile({ type: 'asset', fileName: 'licences.json', source: JSON.stringify(found, null, 1) });
     },
   };
+}
+
+/** The licences of the packages that modules are from. */
+export function foundLicences(modules: readonly string[]): Licence[] {
+  const folders = new Set(modules.map(packageFolder).filter((folder) => folder !== null));
+  return [...folders].map(readLicence).sort((a, b) => a.name.localeCompare(b.name));
 }
 
 function packageFolder(moduleId: string): string | null {

@@ -227,6 +227,8 @@ pub struct PictureSettings {
     /// both are seen from the same side.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub target_up: Option<Up>,
+    /// Whether the worst poses can be turned and looked at closely in `report.html`, which then has a script and is larger.
+    pub view_3d: bool,
 }
 
 /// A side to look from; the front is that towards which z points, or with z up, that away from y.

@@ -38,6 +38,20 @@ pub enum Direction {
     },
 }
 
+impl Direction {
+    /// Returns the degrees by which it is turned from the front to the right, and raised.
+    pub fn angles(self) -> [f64; 2] {
+        match self {
+            Self::Front => [0.0, 0.0],
+            Self::Side => [90.0, 0.0],
+            Self::Top => [0.0, 90.0],
+            Self::ThreeQuarter => [40.0, 18.0],
+            Self::Angles { yaw, pitch } if yaw.is_finite() && pitch.is_finite() => [yaw, pitch],
+            Self::Angles { .. } => [0.0, 0.0],
+        }
+    }
+}
+
 /// A point's place in a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Placed {
@@ -83,6 +97,11 @@ impl View {
         // A picture shows the surface from outside, so its axes are right-handed.
         let right = if turn.determinant() < 0.0 { -right } else { right };
         Self::frame([right, up, towards], points)
+    }
+
+    /// Returns unit vectors to the right of the picture, up, and towards the camera, as the mesh's file has its axes.
+    pub fn axes(&self) -> [Vector3<f64>; 3] {
+        self.axes
     }
 
     fn frame(axes: [Vector3<f64>; 3], points: impl IntoIterator<Item = Point3<f64>>) -> Self {
@@ -160,14 +179,7 @@ fn axes(direction: Direction, up: UpAxis) -> [Vector3<f64>; 3] {
         UpAxis::Y => (x, y, z),
         UpAxis::Z => (x, z, -y),
     };
-    let (yaw, pitch) = match direction {
-        Direction::Front => (0.0, 0.0),
-        Direction::Side => (90.0, 0.0),
-        Direction::Top => (0.0, 90.0),
-        Direction::ThreeQuarter => (40.0, 18.0),
-        Direction::Angles { yaw, pitch } if yaw.is_finite() && pitch.is_finite() => (yaw, pitch),
-        Direction::Angles { .. } => (0.0, 0.0),
-    };
+    let [yaw, pitch] = direction.angles();
     let ((yaw_sin, yaw_cos), (pitch_sin, pitch_cos)) = (sin_cos(yaw), sin_cos(pitch));
     let ahead = front * yaw_cos + right * yaw_sin;
     [right * yaw_cos - front * yaw_sin, up * pitch_cos - ahead * pitch_sin, ahead * pitch_cos + up * pitch_sin]

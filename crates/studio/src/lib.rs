@@ -30,4 +30,3 @@ pub mod web;
 pub mod worst;
 
 pub use server::{Server, Start, StudioOptions};
-pub use web::page::{BUILD_PAGE, is_built};

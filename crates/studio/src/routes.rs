@@ -27,7 +27,7 @@ use crate::{
     web::{
         body::{JsonBody, bounded, too_large},
         page,
-        security::{CONTENT_OF_RESULTS, Guard, guard},
+        security::{Guard, content_of_results, guard},
     },
 };
 
@@ -341,7 +341,7 @@ struct WrittenQuery {
     path: PathBuf,
 }
 
-/// A file that a run has written: pages and pictures are shown and may do nothing, all else is downloaded.
+/// A file that a run has written: pages and pictures are shown, and hardly may do anything; all else is downloaded.
 async fn written(State(studio): App, Query(query): Query<WrittenQuery>) -> Result<Response> {
     let missing = || ApiError::not_found(format!("no run has written `{}`", query.path.display()));
     if !studio.is_written(&query.path) {
@@ -362,7 +362,7 @@ async fn written(State(studio): App, Query(query): Query<WrittenQuery>) -> Resul
     let headers = [
         (header::CONTENT_TYPE, kind.to_owned()),
         (header::CONTENT_DISPOSITION, how),
-        (header::CONTENT_SECURITY_POLICY, CONTENT_OF_RESULTS.to_owned()),
+        (header::CONTENT_SECURITY_POLICY, content_of_results().to_owned()),
     ];
     Ok((headers, bytes).into_response())
 }
@@ -411,6 +411,6 @@ async fn delete_mask(State(studio): App, Path((side, name)): Path<(Side, String)
 }
 
 async fn about() -> Json<Value> {
-    let licences = page::text("licences.json").and_then(|text| serde_json::from_str::<Value>(&text).ok());
+    let licences = mimesh_web::text("licences.json").and_then(|text| serde_json::from_str::<Value>(&text).ok());
     Json(json!({ "version": env!("CARGO_PKG_VERSION"), "licences": licences.unwrap_or_else(|| json!([])) }))
 }

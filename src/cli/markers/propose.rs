@@ -213,7 +213,7 @@ fn drawn(proposal: &Proposal, meshes: &Meshes, up: Up) -> Vec<u8> {
     let row = |view: ViewFrom| {
         let cell = |name: &str, surface: &Surface, colour, point: fn(&Marker) -> mimesh_core::mesh::SurfacePoint| {
             let points: Vec<_> = markers.iter().map(point).collect();
-            let camera = PictureSettings { view, up: Some(up), target_up: None }.into();
+            let camera = PictureSettings { view, up: Some(up), ..PictureSettings::default() }.into();
             Cell { picture: pictures::draw_markers(surface, &points, camera, PIXELS, colour), caption: name.into() }
         };
         vec![

@@ -1,7 +1,7 @@
 /** Colour maps: a few colours, evenly spaced from the lowest value to the highest. Both ends differ in lightness or hue for all eyes. */
 
 export type Rgb = readonly [number, number, number];
-export type ColourMapName = 'error' | 'stretch' | 'gaps' | 'confidence' | 'mask';
+export type ColourMapName = 'error' | 'stretch' | 'gaps' | 'confidence' | 'mask' | 'picture';
 
 const MAPS: Record<ColourMapName, readonly string[]> = {
   error: ['#3b4cc0', '#4f8fd0', '#73c0c4', '#b8dcae', '#f3e79b', '#f8b15e', '#e0603c', '#a31a2b'],
@@ -9,6 +9,8 @@ const MAPS: Record<ColourMapName, readonly string[]> = {
   gaps: ['#e9e4f2', '#c2b1dc', '#9a7bc4', '#7347a8', '#4b1c7d'],
   confidence: ['#b3261e', '#e06c3a', '#efb35a', '#d9d98a', '#8bc39a', '#2f8f83'],
   mask: ['#d5d9de', '#f3c98a', '#f09a3e', '#d9611b'],
+  // The scale of the still pictures of reports, at eighths.
+  picture: ['#f1eddd', '#e7cea0', '#dcae5e', '#d7863d', '#cf5a15', '#b23c33', '#95163e', '#641b46', '#361249'],
 };
 
 export const COLOUR_MAPS = Object.keys(MAPS) as ColourMapName[];

@@ -9,7 +9,7 @@ use serde_json::Value;
 use super::findings::{Findings, Scope};
 use crate::{
     file_on_disk::Reach,
-    input::{HelpCommands, InputFile},
+    input::{HelpCommands, InputFile, ViewScript},
 };
 
 /// What a caller adds to a pipeline's file.
@@ -27,6 +27,8 @@ pub struct Options {
     pub allow_commands: bool,
     /// The commands of the host that the page of the run names.
     pub help: HelpCommands,
+    /// The script of the 3D view that a pipeline may ask for.
+    pub view_script: ViewScript,
 }
 
 impl Options {

@@ -10,6 +10,7 @@ mod metrics;
 mod noise;
 mod outputs;
 mod parts;
+mod pictures;
 mod poses;
 mod rest_meshes;
 mod run_diagnostics;

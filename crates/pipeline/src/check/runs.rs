@@ -19,6 +19,7 @@ use super::{
     markers::{clicks, markers},
     metrics::{check_bound, gates, metrics},
     outputs::outputs,
+    pictures::view_script,
     rest_meshes::{check_inside_out, check_mirrored},
     run_diagnostics::RunDiagnostics,
     seams::{SeamCache, open_like},
@@ -195,6 +196,8 @@ fn prepare_one(
     let report = options.report.as_deref().unwrap_or("run.json");
     let poses_are = input::poses_are(pipeline.source.poses_are, &poses);
     let outputs = outputs(scope, found_mut, &pipeline, target.as_deref(), &poses, out.as_ref(), report);
+    let sides = [source.as_deref(), target.as_deref()];
+    let view_script = view_script(scope, found_mut, &pipeline, &outputs, sides, &options.view_script);
     let output_change = units::output_change(scope, found_mut, &pipeline, target.as_deref(), &outputs);
     found.diagnostics.into_result()?;
     let (Some(source), Some(target), Some(markers), Some(clicks)) = (source, target, markers, clicks) else {
@@ -226,6 +229,7 @@ fn prepare_one(
         clicks,
         allow_commands: options.allow_commands,
         help: options.help.clone(),
+        view_script,
         proximity,
         truth,
         metrics,

@@ -8,6 +8,7 @@ mod outputs;
 mod poses;
 mod prepared;
 mod rest_mesh;
+mod view_script;
 
 pub use file_hashes::{FileHashes, HashedFile};
 pub use ground_truth::GroundTruth;
@@ -17,3 +18,4 @@ pub use outputs::{Output, Outputs};
 pub use poses::{PoseFrom, PoseInput, evenly_spaced, poses_are, read_evenly_spaced, read_pose};
 pub use prepared::{InputFile, Meshes, PosedMeshes, Prepared, PreparedSource, ProximityInput};
 pub use rest_mesh::RestMesh;
+pub use view_script::ViewScript;

@@ -1,6 +1,7 @@
 //! Pipelines that are read and checked, ready to run.
 
 use std::{
+    borrow::Cow,
     path::PathBuf,
     sync::{Arc, OnceLock},
 };
@@ -50,6 +51,8 @@ pub struct Prepared {
     pub allow_commands: bool,
     /// The commands of the host that the page of the run names.
     pub help: HelpCommands,
+    /// The script of the page's 3D view, if the pipeline asks for one.
+    pub view_script: Option<Cow<'static, str>>,
     /// The proximity graph of the target, which the checks of stages needed; `None` if there is no such stage.
     pub proximity: Option<ProximityInput>,
     /// The known results.

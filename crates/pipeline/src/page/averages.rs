@@ -20,7 +20,7 @@ pub fn averages(report: &Report) -> Markup {
                 @for (metric, summary) in &report.metrics {
                     details open[metric == "point_error"] {
                         summary { (metric.replace('_', " ")) }
-                        div.scroll { (table(report, metric, summary)) }
+                        div.scroll tabindex="0" { (table(report, metric, summary)) }
                     }
                 }
             }

@@ -35,6 +35,7 @@ const COLOURS: [&str; 8] = ["#2f6f8f", "#d1495b", "#7a9e3a", "#8d5fb0", "#e08e2b
 pub fn compare(title: &str, runs: &[ComparedRun]) -> String {
     document(
         title,
+        None,
         html! {
             header { h1 { (name(title)) } }
             (averages(runs))
@@ -81,7 +82,7 @@ fn averages(runs: &[ComparedRun]) -> Markup {
     html! {
         section {
             h2 { "Average over poses" }
-            div.scroll {
+            div.scroll tabindex="0" {
                 table.numbers {
                     tr { th { "" } @for run in runs { th { (name(&run.name)) } } }
                     tr {
@@ -182,7 +183,7 @@ fn poses(runs: &[ComparedRun]) -> Markup {
     html! {
         section {
             h2 { "Each pose: " (column.words()) }
-            div.scroll {
+            div.scroll tabindex="0" {
                 table.numbers {
                     tr { th { "pose" } @for run in runs { th { (name(&run.name)) } } }
                     @for name in names(runs) {
@@ -200,7 +201,7 @@ fn pictures(runs: &[ComparedRun]) -> Markup {
         @if runs.iter().any(|run| !run.pictures.is_empty()) {
             section {
                 h2 { "Pictures" }
-                div.scroll {
+                div.scroll tabindex="0" {
                     table.pictures {
                         tr { th { "" } @for run in runs { th { (name(&run.name)) } } }
                         @for name in names(runs) {
@@ -226,7 +227,7 @@ fn settings(runs: &[ComparedRun]) -> Markup {
     html! {
         section {
             h2 { "Settings that differ" }
-            div.scroll {
+            div.scroll tabindex="0" {
                 table.facts {
                     tr { th { "" } @for run in runs { th { (name(&run.name)) } } }
                     @for key in keys.iter().filter(differs) {

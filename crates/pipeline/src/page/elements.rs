@@ -3,7 +3,7 @@
 use base64::{Engine, prelude::BASE64_STANDARD};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-use super::{chart, words::name};
+use super::{chart, content_policy::content_policy, words::name};
 use crate::metrics::Level;
 
 /// A picture with its description.
@@ -19,13 +19,23 @@ pub struct Image {
     pub size: [u32; 2],
 }
 
-/// Returns a page of HTML with its style sheet.
-pub fn document(title: &str, body: Markup) -> String {
+/// Pictures of one pose that stand side by side, or below each other where there is little room.
+#[derive(Clone, Debug, Default)]
+pub struct PanelImages {
+    /// The name of the pose.
+    pub name: String,
+    /// Source, result, and errors as far as there are any.
+    pub panels: Vec<Image>,
+}
+
+/// Returns a page of HTML with its style sheet, in which at most one script runs.
+pub fn document(title: &str, script: Option<&str>, body: Markup) -> String {
     html! {
         (DOCTYPE)
         html lang="en" {
             head {
                 meta charset="utf-8";
+                meta http-equiv="Content-Security-Policy" content=(content_policy(script));
                 meta name="viewport" content="width=device-width, initial-scale=1";
                 meta name="generator" content=(concat!("mimesh ", env!("CARGO_PKG_VERSION")));
                 // Without one, browsers ask the server for an icon.

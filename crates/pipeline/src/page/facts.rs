@@ -98,7 +98,7 @@ pub fn stages(report: &Report) -> Markup {
     html! {
         section {
             h2 { "Stages" }
-            div.scroll {
+            div.scroll tabindex="0" {
                 table.numbers {
                     tr { th { "stage" } th { "type" } th { "time" } th.bar { "" } }
                     @for stage in &report.stages {
@@ -165,7 +165,7 @@ pub fn provenance(report: &Report) -> Markup {
             details {
                 summary { (count(report.inputs.len(), "file", "files")) " read" }
                 p.note { "Size and BLAKE3 hash" @if !poses.is_empty() { "; " (poses.len()) " of them poses" } "." }
-                div.scroll {
+                div.scroll tabindex="0" {
                     table.facts {
                         @for input in &report.inputs {
                             tr {
@@ -180,7 +180,7 @@ pub fn provenance(report: &Report) -> Markup {
             }
             details {
                 summary { "Files written beside this page" }
-                div.scroll {
+                div.scroll tabindex="0" {
                     table.facts {
                         @for output in &report.outputs {
                             tr { td { code { (name(&output.path.display().to_string())) } } td { (bytes(output.bytes)) } }

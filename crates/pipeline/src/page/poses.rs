@@ -4,7 +4,7 @@ use maud::{Markup, html};
 use mimesh_core::stage::Limits;
 
 use super::{
-    elements::{self, Image, badge, picture},
+    elements::{self, PanelImages, badge, picture},
     words::{name, prose, together},
 };
 use crate::{
@@ -16,9 +16,10 @@ use crate::{
 };
 
 /// Returns the worst poses, each with a picture and the reasons of its verdict.
-pub fn worst(report: &Report, images: &[Image]) -> Markup {
-    let pose = |image: &Image| report.poses.iter().find(|pose| pose.name == image.name);
-    let mut shown: Vec<(&Image, &PoseReport)> = images.iter().filter_map(|image| Some((image, pose(image)?))).collect();
+pub fn worst(report: &Report, images: &[PanelImages]) -> Markup {
+    let pose = |image: &PanelImages| report.poses.iter().find(|pose| pose.name == image.name);
+    let mut shown: Vec<(&PanelImages, &PoseReport)> =
+        images.iter().filter_map(|image| Some((image, pose(image)?))).collect();
     let is_fine = |pose: &PoseReport| pose.verdict.as_ref().is_none_or(|verdict| verdict.level == Level::Good);
     let fine = report.poses.iter().all(is_fine);
     // Beside what is wrong, what is good needs no second look; where all is good, the largest errors are of interest.
@@ -30,7 +31,7 @@ pub fn worst(report: &Report, images: &[Image]) -> Markup {
                 h2 { @if fine { "Largest errors" } @else { "Look at these" } }
                 @for (image, pose) in shown {
                     article.worst {
-                        (picture(image))
+                        div.panels { @for panel in &image.panels { (picture(panel)) } }
                         div {
                             h3 { (name(&pose.name)) " " @if let Some(verdict) = &pose.verdict { (badge(verdict.level)) } }
                             (reasons(pose.verdict.as_ref()))
@@ -131,7 +132,7 @@ pub fn table(report: &Report) -> Markup {
     html! {
         section {
             h2 { "Verdict of each pose" }
-            div.scroll {
+            div.scroll tabindex="0" {
                 table.numbers {
                     tr {
                         th { "pose" } th.word { "verdict" }

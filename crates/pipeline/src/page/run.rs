@@ -5,10 +5,12 @@ use maud::{Markup, html};
 use super::{
     averages::averages,
     curves::curves,
-    elements::{Image, document, figure},
+    elements::{Image, PanelImages, document, figure},
     facts,
     next_steps::next_steps,
     poses,
+    scene::View3d,
+    view_3d,
 };
 use crate::{input::HelpCommands, report::Report};
 
@@ -18,9 +20,11 @@ pub struct Pictures {
     /// The meshes at rest, with their markers.
     pub rest: Vec<Image>,
     /// Large pictures of the worst poses.
-    pub worst: Vec<Image>,
+    pub worst: Vec<PanelImages>,
     /// Small pictures of all poses, or of some spread over them.
     pub sheet: Vec<Image>,
+    /// The worst poses to be turned, if the pipeline asks for that.
+    pub view_3d: Option<View3d>,
 }
 
 /// Returns the page of a run; its next steps name the commands of the host, `help`.
@@ -30,13 +34,19 @@ pub fn page(report: &Report, pictures: &Pictures, help: &HelpCommands) -> String
         Some(run) => format!("{name} · {}", run.name),
         None => name.into_owned(),
     };
+    let scene = match &pictures.view_3d {
+        Some(View3d::Scene(scene)) => Some(scene),
+        _ => None,
+    };
     document(
         &title,
+        scene.map(|scene| &*scene.script),
         html! {
             (facts::head(report, &title))
             (poses::meaning(report))
             (poses::shared(report))
             (next_steps(report, help))
+            @if let Some(view) = &pictures.view_3d { (view_3d::section(view)) }
             (poses::worst(report, &pictures.worst))
             (poses::table(report))
             @if !pictures.sheet.is_empty() {
@@ -57,6 +67,7 @@ pub fn page(report: &Report, pictures: &Pictures, help: &HelpCommands) -> String
             (facts::warnings(report))
             (facts::stages(report))
             (facts::provenance(report))
+            @if let Some(scene) = scene { (view_3d::scripts(scene, report)) }
         },
     )
 }

@@ -1,7 +1,7 @@
 //! The direction from which meshes are drawn.
 
 use mimesh_render::{Direction, UpAxis, View};
-use nalgebra::{Matrix3, Point3};
+use nalgebra::{Matrix3, Point3, Vector3};
 
 use crate::{
     report::{MeshView, Report},
@@ -68,6 +68,11 @@ impl Camera {
             Direction::Top | Direction::Angles { .. } => Direction::Angles { yaw: 0.0, pitch: -90.0 },
         };
         Self { direction, ..self }
+    }
+
+    /// Returns unit vectors to the right, up and towards the eye of one who stands in front of the mesh.
+    pub(super) fn axes(self) -> [Vector3<f64>; 3] {
+        View::fit_turned([], Direction::Front, self.up, &self.turn).axes()
     }
 
     /// Returns the view that frames `positions` (#V).

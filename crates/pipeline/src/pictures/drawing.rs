@@ -91,7 +91,7 @@ pub(super) fn draw_field(
 }
 
 /// Returns the values of a surface's vertices from those of its file's.
-fn on_surface<'f>(surface: &Surface, field: &'f [f64]) -> Cow<'f, [f64]> {
+pub(super) fn on_surface<'f>(surface: &Surface, field: &'f [f64]) -> Cow<'f, [f64]> {
     let same =
         surface.representative.len() == field.len() && (0..).zip(&surface.representative).all(|(v, copy)| v == *copy);
     if same {

@@ -20,11 +20,12 @@ use nalgebra::Point3;
 use super::{
     Camera,
     drawing::{Field, LEGEND_HEIGHT, draw_field, draw_markers, image},
+    scene::{SceneFrame, scene_pose, too_large_to_turn},
 };
 use crate::{
     input::{Prepared, evenly_spaced},
     metrics::{Level, PoseMeasurements, Verdict},
-    page::{Image, Pictures},
+    page::{Image, PanelImages, Pictures, Scene, ScenePose, View3d},
     report::MeshView,
 };
 
@@ -44,6 +45,8 @@ pub struct Thumbnails<'a> {
     cameras: [Camera; 2],
     /// Whether each pose gets a thumbnail.
     chosen: Vec<bool>,
+    /// How source and target lie in the 3D view, if the page has one.
+    scene: Option<[SceneFrame; 2]>,
     drawn: Mutex<Drawn>,
 }
 
@@ -80,6 +83,7 @@ struct Large {
     pose: usize,
     name: String,
     picture: Picture,
+    scene: Option<ScenePose>,
 }
 
 /// How bad a pose is: the larger, the worse.
@@ -95,7 +99,11 @@ impl<'a> Thumbnails<'a> {
     pub fn new(prepared: &'a Prepared, map: Option<&TriangleMap>) -> Self {
         let mut chosen = vec![false; prepared.poses.len()];
         evenly_spaced(prepared.poses.len(), MAX_THUMBNAILS).into_iter().for_each(|i| chosen[i] = true);
-        Self { prepared, cameras: Camera::of_pair(prepared, map), chosen, drawn: Mutex::default() }
+        let cameras = Camera::of_pair(prepared, map);
+        let surfaces = [&prepared.source.surface, &prepared.target.surface];
+        let is_turned = prepared.view_script.is_some() && why_not_turned(prepared).is_none();
+        let scene = is_turned.then(|| [0, 1].map(|k: usize| SceneFrame::new(surfaces[k], cameras[k])));
+        Self { prepared, cameras, chosen, scene, drawn: Mutex::default() }
     }
 
     /// How the target is seen.
@@ -112,7 +120,8 @@ impl<'a> Thumbnails<'a> {
         let severity = Severity::of(pose);
         // Most poses are not among the worst and need no large picture; asked again once it is drawn.
         if self.drawn().rank(severity, i) < MAX_LARGE {
-            let large = Large { severity, pose: i, name: pose.name.into(), picture: self.draw(LARGE_SIZE, pose) };
+            let picture = self.draw(LARGE_SIZE, pose);
+            let large = Large { severity, pose: i, name: pose.name.into(), picture, scene: self.scene_pose(pose) };
             let mut drawn = self.drawn();
             let rank = drawn.rank(severity, i);
             drawn.large.insert(rank, large);
@@ -152,6 +161,25 @@ impl<'a> Thumbnails<'a> {
         picture
     }
 
+    fn scene_pose(&self, pose: &PoseView<'_>) -> Option<ScenePose> {
+        let PoseView { name, source, result, measurements, verdict, .. } = *pose;
+        let [of_source, of_target] = self.scene.as_ref()?;
+        let target = &self.prepared.target.surface;
+        Some(scene_pose(name, [of_source, of_target], source, result, target, field(measurements, verdict)))
+    }
+
+    /// Returns the 3D view of the page, if the pipeline asks for one, and the poses for it.
+    fn view_3d(&self, poses: Vec<ScenePose>) -> Option<View3d> {
+        let script = self.prepared.view_script.clone()?;
+        if let Some(reason) = why_not_turned(self.prepared) {
+            return Some(View3d::None(reason));
+        }
+        let [of_source, of_target] = self.scene.as_ref()?;
+        let meshes = [of_source.mesh(&self.prepared.source.surface), of_target.mesh(&self.prepared.target.surface)];
+        let angles = self.cameras[0].direction.angles();
+        (!poses.is_empty()).then(|| View3d::Scene(Box::new(Scene { script, angles, meshes, poses })))
+    }
+
     /// Returns the thumbnails on one sheet, as a PNG file.
     pub fn sheet(&self) -> Vec<u8> {
         let drawn = self.drawn();
@@ -167,11 +195,13 @@ impl<'a> Thumbnails<'a> {
 
     /// Returns the pictures for the page of the run.
     pub fn pictures(self) -> Pictures {
-        let drawn = self.drawn.into_inner().unwrap_or_else(PoisonError::into_inner);
+        let mut drawn = std::mem::take(&mut *self.drawn());
+        let poses = drawn.large.iter_mut().filter_map(|large| large.scene.take()).collect();
         Pictures {
             rest: rest_images(self.prepared, self.cameras),
-            worst: drawn.large.iter().map(|large| pose_image(&large.name, &large.picture)).collect(),
+            worst: drawn.large.iter().map(|large| panel_images(&large.name, &large.picture)).collect(),
             sheet: drawn.small.values().map(|(name, picture)| pose_image(name, picture)).collect(),
+            view_3d: self.view_3d(poses),
         }
     }
 }
@@ -203,6 +233,23 @@ fn write_title(picture: &mut Picture, x: u32, title: &str) {
 
 fn pose_image(name: &str, picture: &Picture) -> Image {
     image(name, format!("source, result and errors of pose {name}"), picture)
+}
+
+/// Returns the panels of a picture of a pose, each of them a square.
+fn panel_images(name: &str, picture: &Picture) -> PanelImages {
+    let size = picture.height;
+    let panels = ["source", "result", "errors"].into_iter().zip(0..picture.width / size.max(1));
+    let panels = panels.map(|(shown, k)| {
+        let mut panel = Picture::new(size, size, WHITE);
+        panel.paste(picture, -((k * size) as i32), 0);
+        image(name, format!("{shown} of pose {name}"), &panel)
+    });
+    PanelImages { name: name.into(), panels: panels.collect() }
+}
+
+/// Returns why the page of a run does not show its meshes in 3D, if they are too large.
+fn why_not_turned(prepared: &Prepared) -> Option<String> {
+    too_large_to_turn([&prepared.source, &prepared.target].map(|mesh| mesh.surface.triangle_count()))
 }
 
 /// Returns both meshes at rest with numbered markers, each seen from the camera and from behind.

@@ -10,7 +10,12 @@ use std::{
 };
 
 use mimesh_document::{diagnostic, paths};
-use mimesh_pipeline::{Options, cache::Cache, input::PosedMeshes, prepare_posed_meshes};
+use mimesh_pipeline::{
+    Options,
+    cache::Cache,
+    input::{PosedMeshes, ViewScript},
+    prepare_posed_meshes,
+};
 use serde::Deserialize;
 use serde_json::json;
 
@@ -55,7 +60,8 @@ pub struct Context {
 impl Context {
     /// The options with which pipelines are checked.
     pub fn options(&self) -> Options {
-        Options { roots: self.roots.clone(), allow_commands: self.allow_commands, ..Options::default() }
+        let view_script = ViewScript { text: mimesh_web::report_viewer(), hint: mimesh_web::HOW_TO_BUILD.into() };
+        Options { roots: self.roots.clone(), allow_commands: self.allow_commands, view_script, ..Options::default() }
     }
 }
 

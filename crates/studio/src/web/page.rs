@@ -4,33 +4,15 @@ use axum::{
     http::{StatusCode, Uri, header},
     response::{IntoResponse, Response},
 };
-use rust_embed::Embed;
+use mimesh_web::BUILD;
 
 use crate::error::ApiError;
-
-/// The command that builds the page, in the folder of the sources.
-pub const BUILD_PAGE: &str = "npm ci --prefix web && npm run build --prefix web";
-
-#[derive(Embed)]
-#[folder = "../../web/dist"]
-#[allow_missing = true]
-struct Files;
-
-/// Whether the page was built before the program.
-pub fn is_built() -> bool {
-    Files::get("index.html").is_some()
-}
-
-/// The text of the file `name`, if the page has it.
-pub fn text(name: &str) -> Option<String> {
-    Files::get(name).map(|file| String::from_utf8_lossy(&file.data).into_owned())
-}
 
 /// Answers with a file of the page.
 pub async fn file(uri: Uri) -> Response {
     let path = uri.path().trim_start_matches('/');
     let name = if path.is_empty() { "index.html" } else { path };
-    match Files::get(name) {
+    match mimesh_web::file(name) {
         Some(file) => {
             // Names of assets hold a hash of their contents.
             let cache = if name.starts_with("assets/") { "public, max-age=31536000, immutable" } else { "no-cache" };
@@ -38,8 +20,7 @@ pub async fn file(uri: Uri) -> Response {
             ([(header::CONTENT_TYPE, kind), (header::CACHE_CONTROL, cache.into())], file.data).into_response()
         }
         None if path.is_empty() => {
-            let text =
-                format!("The page is not part of this program. Build it, then the program again:\n\n{BUILD_PAGE}\n");
+            let text = format!("The page is not part of this program. Build it, then the program again:\n\n{BUILD}\n");
             (StatusCode::NOT_FOUND, text).into_response()
         }
         None => ApiError::not_found(format!("there is no `{}`", uri.path())).into_response(),

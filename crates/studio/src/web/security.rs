@@ -3,7 +3,10 @@
 //! The server runs beside everything else that the user's browser shows. Another page may send requests to it, and a name may be
 //! made to point at it. So each request must show the cookie, name this server in `Host`, and come from its own page.
 
-use std::{net::IpAddr, sync::Arc};
+use std::{
+    net::IpAddr,
+    sync::{Arc, LazyLock},
+};
 
 use axum::{
     extract::{Request, State},
@@ -11,6 +14,7 @@ use axum::{
     middleware::Next,
     response::{IntoResponse, Response},
 };
+use mimesh_pipeline::{input::ViewScript, page::script_source};
 use subtle::ConstantTimeEq;
 
 use crate::error::{ApiError, Code};
@@ -19,8 +23,21 @@ use crate::error::{ApiError, Code};
 pub const CONTENT_SECURITY_POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; \
     font-src 'self'; connect-src 'self'; worker-src 'self' blob:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
-/// What a file that was written may do when it is opened: it is looked at, and runs nothing.
-pub const CONTENT_OF_RESULTS: &str = "default-src 'none'; style-src 'unsafe-inline'; img-src data: blob:; font-src data:; sandbox; frame-ancestors 'self'";
+/// What a file that was written may do when it is opened: it is looked at, and runs at most the 3D view of reports that this program has.
+///
+/// It belongs to no origin, so that it reaches neither this server nor its cookie.
+pub fn content_of_results() -> &'static str {
+    static POLICY: LazyLock<String> = LazyLock::new(|| {
+        let script = ViewScript { text: mimesh_web::report_viewer(), ..ViewScript::default() }.inline();
+        let (sandbox, scripts) = match script {
+            Some(script) => ("sandbox allow-scripts", script_source(&script)),
+            None => ("sandbox", "'none'".into()),
+        };
+        let looks = "style-src 'unsafe-inline'; img-src data: blob:; font-src data:";
+        format!("default-src 'none'; {looks}; script-src {scripts}; {sandbox}; frame-ancestors 'self'")
+    });
+    &POLICY
+}
 
 /// The secrets of a server and the names that it answers to.
 #[derive(Debug)]
@@ -183,6 +200,18 @@ mod tests {
             assert!(open.is_own_host(host), "{host}");
         }
         assert!(!open.is_own_host("other.lan"));
+    }
+
+    #[test]
+    fn results_run_no_script_but_the_view_of_reports() {
+        let policy = content_of_results();
+        assert!(
+            policy.contains("default-src 'none'")
+                && policy.contains("; sandbox")
+                && !policy.contains("allow-same-origin")
+        );
+        let scripts = policy.split("script-src ").nth(1).unwrap().split(';').next().unwrap();
+        assert!(scripts == "'none'" || scripts.starts_with("'sha256-") && !scripts.contains(' '), "{policy}");
     }
 
     #[test]
