@@ -1,6 +1,8 @@
 // Times of the page, for humans: node tests/measure.mjs [resolution of the mock's meshes …]
 import os from 'node:os';
-import { launch, pointOnScreen, serve } from './browser.mjs';
+import { launch } from './browser.mjs';
+import { pointOnScreen } from './places.mjs';
+import { serve } from './servers.mjs';
 
 const resolutions = process.argv.slice(2).map(Number);
 const browser = await launch();

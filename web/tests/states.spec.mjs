@@ -2,22 +2,12 @@
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
-import { after, before, test } from 'node:test';
-import { launch, openPage, serve } from './browser.mjs';
+import { test } from 'node:test';
+import { openPage, studioOfFile } from './browser.mjs';
+import { mocked, serve } from './servers.mjs';
 
 const axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
-const mocked = !process.env.MIMESH_STUDIO_URL;
-let browser;
-let server;
-
-before(async () => {
-  [browser, server] = await Promise.all([launch(), serve({ resolution: 50 })]);
-});
-
-after(async () => {
-  await browser?.close();
-  await server?.close();
-});
+const studio = studioOfFile({ resolution: 50 });
 
 async function findings(page) {
   await page.evaluate(axe);
@@ -52,7 +42,7 @@ const STATES = {
 for (const theme of ['light', 'dark']) {
   for (const [name, enter] of Object.entries(STATES)) {
     test(`${name}, ${theme}`, async () => {
-      const page = await openPage(browser, server.url, { theme });
+      const page = await studio.open({ theme });
       await enter(page);
       await page.waitForTimeout(300);
       assert.deepEqual(await findings(page), []);
@@ -63,7 +53,7 @@ for (const theme of ['light', 'dark']) {
 
   test(`start and a file that cannot be read, ${theme}`, { skip: !mocked }, async () => {
     const empty = await serve({ resolution: 40, open: false });
-    const page = await openPage(browser, empty.url, { theme, ready: false });
+    const page = await openPage(studio.browser, empty.url, { theme, ready: false });
     await page.waitForSelector('.entry.mesh');
     assert.deepEqual(await findings(page), []);
     await page.click('text=horse.glb');
@@ -88,14 +78,14 @@ for (const theme of ['light', 'dark']) {
 }
 
 test('nothing moves by itself while the page loads and is used', async () => {
-  const page = await browser.newPage({ viewport: { width: 1280, height: 720 } });
+  const page = await studio.browser.newPage({ viewport: { width: 1280, height: 720 } });
   await page.addInitScript(() => {
     window.shifts = 0;
     new PerformanceObserver((list) => {
       for (const entry of list.getEntries()) if (!entry.hadRecentInput) window.shifts += entry.value;
     }).observe({ type: 'layout-shift', buffered: true });
   });
-  await page.goto(server.url);
+  await page.goto(studio.server.url);
   await page.waitForFunction(() => window.mimesh?.studio.phase.peek().name === 'ready');
   for (const key of ['j', 'j', '.', '.', 'Escape']) {
     await page.keyboard.press(key);

@@ -1,23 +1,14 @@
 // Motion, colours, forms, painting and runs.
 import assert from 'node:assert/strict';
-import { after, before, test } from 'node:test';
-import { launch, openPage, pointOnScreen, serve } from './browser.mjs';
+import { test } from 'node:test';
+import { studioOfFile } from './browser.mjs';
+import { pointOnScreen } from './places.mjs';
+import { mocked } from './servers.mjs';
 
-const mocked = !process.env.MIMESH_STUDIO_URL;
-let browser;
-let server;
-
-before(async () => {
-  [browser, server] = await Promise.all([launch(), serve({ resolution: 60 })]);
-});
-
-after(async () => {
-  await browser?.close();
-  await server?.close();
-});
+const studio = studioOfFile({ resolution: 60 });
 
 test('the timeline scrubs, plays at the rate of the clip and shows each pose on both meshes', async () => {
-  const page = await openPage(browser, server.url);
+  const page = await studio.open();
   await page.keyboard.press('.');
   await page.waitForFunction(() => window.mimesh.studio.live.source.peek()?.header.pose?.index === 0);
   const box = await page.locator('.timeline input').boundingBox();
@@ -39,7 +30,7 @@ test('the timeline scrubs, plays at the rate of the clip and shows each pose on 
 });
 
 test('colours have a legend with figures and unit, and the worst list flies and sets the pose', async () => {
-  const page = await openPage(browser, server.url);
+  const page = await studio.open();
   await page.click('#tab-result');
   await page.selectOption('.result select', 'stretch');
   await page.waitForSelector('.legend:visible');
@@ -53,7 +44,7 @@ test('colours have a legend with figures and unit, and the worst list flies and 
 });
 
 test('a drag is previewed while the hand moves', async () => {
-  const page = await openPage(browser, server.url);
+  const page = await studio.open();
   const id = await page.evaluate(
     () => window.mimesh.studio.markers.pairs.peek().find((pair) => pair.target && pair.source).id,
   );
@@ -70,7 +61,7 @@ test('a drag is previewed while the hand moves', async () => {
 });
 
 test('forms and text are one document, with errors at the field', { skip: !mocked }, async () => {
-  const page = await openPage(browser, server.url);
+  const page = await studio.open();
   await page.click('#tab-stages');
   await page.click('[data-path="correspondence:fold"]');
   await page.fill('[data-path="correspondence.steps"]', '7');
@@ -93,7 +84,7 @@ test('forms and text are one document, with errors at the field', { skip: !mocke
 });
 
 test('a run shows its progress, can be cancelled, and links its files', { skip: !mocked }, async () => {
-  const page = await openPage(browser, server.url);
+  const page = await studio.open();
   await page.click('.run-control .primary');
   await page.waitForSelector('.job:visible');
   await page.click('.job >> text=Cancel');
@@ -105,7 +96,7 @@ test('a run shows its progress, can be cancelled, and links its files', { skip: 
 });
 
 test('a painted mask is saved and comes back', { skip: !mocked }, async () => {
-  const page = await openPage(browser, server.url);
+  const page = await studio.open();
   await page.click('#tab-paint');
   const box = await page.locator('.pane-result').boundingBox();
   await page.mouse.move(box.x + box.width / 2, box.y + box.height * 0.42);
@@ -130,7 +121,7 @@ test('a painted mask is saved and comes back', { skip: !mocked }, async () => {
 });
 
 test('components are hidden, isolated and shown', async () => {
-  const page = await openPage(browser, server.url);
+  const page = await studio.open();
   const box = await page.locator('.pane-result').boundingBox();
   await page.mouse.move(box.x + box.width / 2, box.y + box.height * 0.42);
   await page.keyboard.press('h');
