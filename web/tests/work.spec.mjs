@@ -32,7 +32,7 @@ test('the timeline scrubs, plays at the rate of the clip and shows each pose on 
 test('colours have a legend with figures and unit, and the worst list flies and sets the pose', async () => {
   const page = await studio.open();
   await page.click('#tab-result');
-  await page.selectOption('.result select', 'stretch');
+  await page.selectOption('.result select', 'edge_stretch');
   await page.waitForSelector('.legend:visible');
   assert.match(await page.textContent('.legend'), /stretch/);
   assert.equal(await page.locator('.legend-figures span').count(), 5);

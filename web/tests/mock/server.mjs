@@ -14,6 +14,13 @@ const TYPES = {
   '.svg': 'image/svg+xml',
   '.json': 'application/json',
 };
+/** The ends of the colour scales, and limits. */
+const LIMITS = {
+  point_error: [0, 2, 1.5],
+  edge_stretch: [0, 20, 15],
+  component_gaps: [0, 2, 1],
+  pair_confidence: [0, 100, null],
+};
 const POLICY =
   "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; font-src 'self'; connect-src 'self'; worker-src 'self' blob:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
@@ -286,7 +293,7 @@ export class MockServer {
       const arrays = { positions };
       const known = project.session().scalars.find((other) => other.name === scalar);
       const coloured = known && channel !== 'source';
-      const limits = { error: [0, 2, 1.5], stretch: [-20, 20, 15], gaps: [0, 2, 1], confidence: [0, 1, null] }[scalar];
+      const limits = LIMITS[scalar];
       if (coloured) arrays.scalars = project.scalars(scalar, pose, positions);
       const header = {
         project: project.number,
