@@ -1,12 +1,16 @@
 // Chromium with graphics in software, and pages in it.
+import { join } from 'node:path';
 import { after, before } from 'node:test';
 import { chromium } from 'playwright-core';
 import { serve } from './servers.mjs';
 
+const SOFTWARE_GRAPHICS = ['--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'];
+
 export async function launch() {
   return chromium.launch({
     executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium',
-    args: ['--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--no-sandbox'],
+    // Chromium takes a page that a test puts in for a foreign one, which may not talk to this machine.
+    args: [...SOFTWARE_GRAPHICS, '--no-sandbox', '--disable-features=LocalNetworkAccessChecks'],
   });
 }
 
@@ -36,8 +40,19 @@ export async function openPage(browser, url, { theme = 'light', ready = true, be
   page.on('console', (message) => message.type() === 'error' && page.errors.push(message.text()));
   await before(page);
   await page.goto(url);
+  if (process.env.MIMESH_PAGE) await showBuiltPage(page);
   if (ready) await loaded(page);
   return page;
+}
+
+/** The page in the folder MIMESH_PAGE takes the place of that in the program, which then need not be built anew. */
+async function showBuiltPage(page) {
+  const isOfPage = ({ pathname }) => !pathname.startsWith('/api/');
+  await page.route(isOfPage, (route) => {
+    const { pathname } = new URL(route.request().url());
+    return route.fulfill({ path: join(process.env.MIMESH_PAGE, pathname === '/' ? 'index.html' : pathname) });
+  });
+  await page.goto(new URL('/', page.url()).href);
 }
 
 /** Waits until both meshes are there, and a frame of the target. */
