@@ -3,7 +3,7 @@ import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { test } from 'node:test';
-import { openPage, studioOfFile } from './browser.mjs';
+import { atRest, openPage, studioOfFile } from './browser.mjs';
 import { mocked, serve } from './servers.mjs';
 
 const axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
@@ -15,6 +15,12 @@ async function findings(page) {
   return violations
     .filter(({ impact }) => impact === 'serious' || impact === 'critical')
     .map(({ id, nodes }) => `${id}: ${nodes.map((node) => node.html.slice(0, 120)).join(' | ')}`);
+}
+
+/** Waits until no camera flies and no style is on its way. */
+async function unmoved(page) {
+  await atRest(page);
+  await page.waitForFunction(() => document.getAnimations().every((animation) => animation.playState !== 'running'));
 }
 
 const STATES = {
@@ -44,13 +50,14 @@ for (const theme of ['light', 'dark']) {
     test(`${name}, ${theme}`, async () => {
       const page = await studio.open({ theme });
       await enter(page);
-      await page.waitForTimeout(300);
+      await unmoved(page);
       assert.deepEqual(await findings(page), []);
       assert.deepEqual(page.errors, []);
       await page.close();
     });
   }
 
+  // The program opens its samples at once; its start page is part of the whole job.
   test(`start and a file that cannot be read, ${theme}`, { skip: !mocked }, async () => {
     const empty = await serve({ resolution: 40, open: false });
     const page = await openPage(studio.browser, empty.url, { theme, ready: false });
@@ -89,6 +96,7 @@ test('nothing moves by itself while the page loads and is used', async () => {
   await page.waitForFunction(() => window.mimesh?.studio.phase.peek().name === 'ready');
   for (const key of ['j', 'j', '.', '.', 'Escape']) {
     await page.keyboard.press(key);
+    // For half a second after a key the browser takes every shift for its effect.
     await page.waitForTimeout(700);
   }
   assert.ok((await page.evaluate(() => window.shifts)) < 0.02);
