@@ -33,3 +33,24 @@ export function freePlace(page, pane) {
     throw new Error('no free place');
   }, pane);
 }
+
+/** A complete pair in sight, with mesh below all of the way by which a hand will drag it. */
+export function draggable(page, pane, [dx, dy]) {
+  return page.evaluate(
+    ([role, x, y]) => {
+      const { studio, stage } = window.mimesh;
+      const found = stage.panes.peek().find((other) => other.role === role);
+      const fits = (label) => {
+        const { source, target } = studio.markers.pair(label.id);
+        if (!source || !target || found.view.occluded(label)) return false;
+        const [u, v] = found.view.project(label.position);
+        const steps = [0, 0.25, 0.5, 0.75, 1];
+        return steps.every((share) => found.pick(u + share * x, v + share * y));
+      };
+      const label = found.view.labels.find(fits);
+      if (!label) throw new Error('no pair lies where it can be dragged');
+      return studio.markers.pair(label.id);
+    },
+    [pane, dx, dy],
+  );
+}

@@ -2,18 +2,18 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { atRest, openPage, pairs, pairWith, saved, studioOfFile } from './browser.mjs';
-import { freePlace, pointOnScreen } from './places.mjs';
+import { draggable, freePlace, pointOnScreen } from './places.mjs';
 import { mocked, serve } from './servers.mjs';
 
 const studio = studioOfFile({ resolution: 60 });
 
 test('a drag moves the point over the surface, undo brings it back, and both outlive a reload', async () => {
   const page = await studio.open();
-  const pair = await pairWith(page, (one) => one.source && one.target && one.status === 'confirmed');
+  const pair = await draggable(page, 'result', [12, 6]);
   const from = await pointOnScreen(page, 'result', pair.id);
   await page.mouse.move(from.x, from.y);
   await page.mouse.down();
-  await page.mouse.move(from.x - 22, from.y + 8, { steps: 6 });
+  await page.mouse.move(from.x + 12, from.y + 6, { steps: 6 });
   await page.waitForFunction(() => window.mimesh.studio.dragged.peek() !== null);
   await page.mouse.up();
   await saved(page);
