@@ -10,21 +10,21 @@ import { makeAnimals } from './real/samples.mjs';
 /** Whether pages talk to the mock, which tests can look into and whose project they know. */
 export const mocked = !process.env.MIMESH_STUDIO_URL && !process.env.MIMESH;
 
-/** The address of a server and what ends it. The options are those of the mock; the program always has its samples open. */
+/** The address of a server and what ends it. The options are those of the mock, or how fine the animals of the program are. */
 export async function serve(options = {}) {
   if (process.env.MIMESH_STUDIO_URL) return { url: process.env.MIMESH_STUDIO_URL, mock: null, close: async () => {} };
-  if (process.env.MIMESH) return serveSamples();
+  if (process.env.MIMESH) return serveSamples(options);
   const mock = new MockServer({ dist: fileURLToPath(new URL('../dist', import.meta.url)), ...options });
   return { url: await mock.listen(), mock, close: () => mock.close() };
 }
 
-async function serveSamples() {
+async function serveSamples({ horse = 24, camel = 30 }) {
   const folder = await mkdtemp(join(tmpdir(), 'mimesh-studio-'));
-  await makeAnimals(folder, { horse: 24, camel: 30 });
+  await makeAnimals(folder, { horse, camel });
   const studio = await startStudio(folder, 'horse.glb', 'camel.obj');
   const close = async () => {
     await studio.stop();
     await rm(folder, { recursive: true });
   };
-  return { url: studio.url, mock: null, close };
+  return { url: studio.url, pid: studio.pid, mock: null, close };
 }

@@ -153,11 +153,17 @@ impl Page {
 
     /// The pipeline's own result, when nothing has changed for a moment.
     async fn a_moment_later(self, mut wishes: watch::Receiver<Wish>) {
+        let mut shown: Option<Wish> = None;
         while wishes.changed().await.is_ok() {
             loop {
                 // Changes that come meanwhile put it off.
                 while tokio::time::timeout(CALM, wishes.changed()).await.is_ok_and(|changed| changed.is_ok()) {}
                 let wish = wishes.borrow_and_update().clone();
+                // The page has it. When the drag is over it wants it again, in place of the preview.
+                if wish.drag.is_some() && shown.as_ref().is_some_and(|shown| is_same_result(shown, &wish)) {
+                    break;
+                }
+                shown = None;
                 let cancel = Cancel::default();
                 let (page, stop, of) = (self.clone(), cancel.clone(), wish.clone());
                 let mut work = tokio::task::spawn_blocking(move || stop.run(|| page.slow(&of, &stop)));
@@ -183,7 +189,10 @@ impl Page {
                         self.tell(state("result", LiveState::Failed, 0, Some(error))).await;
                         break;
                     }
-                    Some(_) => break,
+                    Some(_) => {
+                        shown = Some(wish);
+                        break;
+                    }
                     None => _ = work.await,
                 }
             }
