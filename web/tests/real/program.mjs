@@ -1,6 +1,7 @@
 // The program: commands that it runs, and the server of `mimesh studio`.
 import { execFile, spawn } from 'node:child_process';
 import { once } from 'node:events';
+import { mkdir } from 'node:fs/promises';
 import { join } from 'node:path';
 import { createInterface } from 'node:readline';
 import { fileURLToPath } from 'node:url';
@@ -9,21 +10,23 @@ import { promisify } from 'node:util';
 /** The program at MIMESH, else the one that cargo builds. */
 export const program = process.env.MIMESH || fileURLToPath(new URL('../../../target/release/mimesh', import.meta.url));
 
-/** Results are cached in the folder itself, never in the cache of the user. */
-function environment(folder) {
-  return { ...process.env, MIMESH_CACHE: join(folder, '.cache') };
+/** What the program keeps beside its outputs lies hidden in the folder itself: an interrupted server leaves its own folder behind. */
+async function environment(folder) {
+  const [cache, temporary] = [join(folder, '.cache'), join(folder, '.temporary')];
+  await mkdir(temporary, { recursive: true });
+  return { ...process.env, MIMESH_CACHE: cache, TMPDIR: temporary };
 }
 
 /** Runs a command of the program to its end; fails if the program does. */
 export async function command(folder, ...words) {
-  return promisify(execFile)(program, words, { cwd: folder, env: environment(folder) });
+  return promisify(execFile)(program, words, { cwd: folder, env: await environment(folder) });
 }
 
 /** Starts `mimesh studio` in a folder; resolves when it has printed its address. */
 export async function startStudio(folder, ...words) {
   const child = spawn(program, ['studio', '--no-open', ...words], {
     cwd: folder,
-    env: environment(folder),
+    env: await environment(folder),
     stdio: ['ignore', 'pipe', 'inherit'],
   });
   const ended = once(child, 'exit').then(([code, signal]) => code ?? signal);
