@@ -31,26 +31,27 @@ async function memory(session, server) {
   return {
     script: megabytes(usedSize),
     buffers: megabytes(backingStorageSize ?? 0),
-    browser: await resident((words) => words.includes('--type=renderer') || words.includes('--type=gpu-process')),
-    server: server.pid ? await resident((_, pid) => pid === server.pid) : null,
+    browser: await resident(process.pid, /--type=(renderer|gpu-process)/),
+    server: server.pid ? await resident(server.pid) : null,
   };
 }
 
-/** The resident megabytes of all processes for which `test` holds of their words and number. */
-async function resident(test) {
-  let sum = 0;
-  for (const name of await readdir('/proc')) {
-    if (!/^\d+$/.test(name)) continue;
+/** The resident megabytes of a process and all below it, or of those whose command fits. */
+async function resident(root, command = /./) {
+  const processes = new Map();
+  for (const name of (await readdir('/proc')).filter((entry) => /^\d+$/.test(entry))) {
     try {
-      const words = (await readFile(`/proc/${name}/cmdline`, 'utf8')).split('\0');
-      if (!test(words, Number(name))) continue;
-      const status = await readFile(`/proc/${name}/status`, 'utf8');
-      sum += Number(/VmRSS:\s+(\d+)/.exec(status)?.[1] ?? 0) * 1024;
+      const read = (what) => readFile(`/proc/${name}/${what}`, 'utf8');
+      const [words, status] = await Promise.all([read('cmdline'), read('status')]);
+      const number = (key) => Number(new RegExp(`${key}:\\s+(\\d+)`).exec(status)?.[1] ?? 0);
+      processes.set(Number(name), { words, parent: number('PPid'), bytes: number('VmRSS') * 1024 });
     } catch {
       // It has ended meanwhile.
     }
   }
-  return megabytes(sum);
+  const isBelow = (pid) => pid === root || (processes.has(pid) && isBelow(processes.get(pid).parent));
+  const found = [...processes].filter(([pid, { words }]) => isBelow(pid) && command.test(words));
+  return megabytes(found.reduce((sum, [, { bytes }]) => sum + bytes, 0));
 }
 
 function megabytes(bytes) {
