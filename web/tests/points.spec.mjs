@@ -1,40 +1,19 @@
 // Points by real mouse and keyboard.
 import assert from 'node:assert/strict';
-import { after, before, test } from 'node:test';
-import { launch, openPage, pointOnScreen, serve } from './browser.mjs';
+import { test } from 'node:test';
+import { atRest, openPage, pairs, pairWith, saved, studioOfFile } from './browser.mjs';
+import { draggable, freePlace, pointOnScreen } from './places.mjs';
+import { mocked, serve } from './servers.mjs';
 
-let browser;
-let server;
-
-before(async () => {
-  [browser, server] = await Promise.all([launch(), serve({ resolution: 60 })]);
-});
-
-after(async () => {
-  await browser?.close();
-  await server?.close();
-});
-
-function pairs(page) {
-  return page.evaluate(() => window.mimesh.studio.markers.pairs.peek());
-}
-
-/** Waits until the server has every edit. */
-async function saved(page) {
-  await page.evaluate(() => window.mimesh.studio.markers.settled());
-}
-
-async function pairWith(page, test) {
-  return (await pairs(page)).find(test);
-}
+const studio = studioOfFile({ resolution: 60 });
 
 test('a drag moves the point over the surface, undo brings it back, and both outlive a reload', async () => {
-  const page = await openPage(browser, server.url);
-  const pair = await pairWith(page, (one) => one.source && one.target && one.status === 'confirmed');
+  const page = await studio.open();
+  const pair = await draggable(page, 'result', [12, 6]);
   const from = await pointOnScreen(page, 'result', pair.id);
   await page.mouse.move(from.x, from.y);
   await page.mouse.down();
-  await page.mouse.move(from.x - 22, from.y + 8, { steps: 6 });
+  await page.mouse.move(from.x + 12, from.y + 6, { steps: 6 });
   await page.waitForFunction(() => window.mimesh.studio.dragged.peek() !== null);
   await page.mouse.up();
   await saved(page);
@@ -59,9 +38,9 @@ test('a drag moves the point over the surface, undo brings it back, and both out
 });
 
 test('a click on each mesh makes a pair, and Shift snaps to a vertex', async () => {
-  const page = await openPage(browser, server.url);
+  const page = await studio.open();
   const count = (await pairs(page)).length;
-  const [source, target] = await centres(page);
+  const [source, target] = [await freePlace(page, 'source'), await freePlace(page, 'result')];
   await page.mouse.click(source.x, source.y);
   await page.waitForFunction((n) => window.mimesh.studio.markers.pairs.peek().length === n, count + 1);
   await page.keyboard.down('Shift');
@@ -78,7 +57,7 @@ test('a click on each mesh makes a pair, and Shift snaps to a vertex', async () 
 });
 
 test('everything is done by keys alone', async () => {
-  const page = await openPage(browser, server.url);
+  const page = await studio.open();
   const proposed = (await pairs(page)).filter((one) => one.status === 'proposed').length;
   await page.keyboard.press('j');
   await page.waitForFunction(() => window.mimesh.studio.selected.peek() !== null);
@@ -97,7 +76,7 @@ test('everything is done by keys alone', async () => {
   await page.keyboard.press('Escape');
   // A point at the centre of a view, pushed about.
   await page.keyboard.press('Home');
-  await page.waitForTimeout(500);
+  await atRest(page);
   await page.focus('.pane-source .pane-surface');
   const count = (await pairs(page)).length;
   await page.keyboard.press('Enter');
@@ -115,10 +94,8 @@ test('everything is done by keys alone', async () => {
   await page.close();
 });
 
-test('two pages see each other, and the later of two edits of one point is told', {
-  skip: !!process.env.MIMESH_STUDIO_URL,
-}, async () => {
-  const [one, two] = [await openPage(browser, server.url), await openPage(browser, server.url)];
+test('two pages see each other, and the later of two edits of one point is told', async () => {
+  const [one, two] = [await studio.open(), await studio.open()];
   const pair = await pairWith(one, (other) => other.source && other.target);
   const edit = (page, vertex) =>
     page.evaluate(
@@ -126,21 +103,33 @@ test('two pages see each other, and the later of two edits of one point is told'
         void window.mimesh.studio.markers.edit({ op: 'move', pair: id, side: 'target', point: { vertex: v } }),
       [pair.id, vertex],
     );
-  await Promise.all([edit(one, 10), edit(two, 20)]);
-  await Promise.all([saved(one), saved(two)]);
-  await one.waitForTimeout(200);
-  const [a, b] = [await pairs(one), await pairs(two)];
-  assert.deepEqual(a.find((other) => other.id === pair.id).target, b.find((other) => other.id === pair.id).target);
-  const conflicts = (await one.locator('.conflict').count()) + (await two.locator('.conflict').count());
-  assert.equal(conflicts, 1);
+  // The second page edits before it has heard of the first edit, and sends its own after that.
+  let send;
+  const due = new Promise((resolve) => {
+    send = resolve;
+  });
+  await two.route('**/api/markers', (route) => due.then(() => route.continue()));
+  await edit(two, 20);
+  await edit(one, 10);
+  await saved(one);
+  send();
+  await saved(two);
+  const target = JSON.stringify((await pairs(one)).find((other) => other.id === pair.id).target);
+  await two.waitForFunction(
+    ([id, point]) => JSON.stringify(window.mimesh.studio.markers.pair(id).target) === point,
+    [pair.id, target],
+  );
+  assert.deepEqual(JSON.parse(target), { vertex: 10 });
+  assert.deepEqual([await one.locator('.conflict').count(), await two.locator('.conflict').count()], [0, 1]);
   await Promise.all([one.close(), two.close()]);
 });
 
+// The mock alone can cut the line of one page.
 test('edits without a connection wait in the browser and are sent when it is back', {
-  skip: !!process.env.MIMESH_STUDIO_URL,
+  skip: !mocked,
 }, async () => {
   const own = await serve({ resolution: 40 });
-  const page = await openPage(browser, own.url);
+  const page = await openPage(studio.browser, own.url);
   const pair = await pairWith(page, (one) => one.target);
   await page.route('**/api/**', (route) => route.abort());
   for (const socket of own.mock.sockets) socket.terminate();
@@ -157,24 +146,3 @@ test('edits without a connection wait in the browser and are sent when it is bac
   await page.close();
   await own.close();
 });
-
-/** A place on each mesh that no label covers. */
-function centres(page) {
-  return page.evaluate(() =>
-    ['source', 'result'].map((role) => {
-      const pane = window.mimesh.stage.panes.peek().find((other) => other.role === role);
-      const box = pane.surfaceElement.getBoundingClientRect();
-      for (let ring = 0; ring < 200; ring += 6) {
-        for (let angle = 0; angle < 6.28; angle += 0.5) {
-          const [x, y] = [box.width / 2 + ring * Math.cos(angle), box.height / 2 + ring * Math.sin(angle)];
-          const free = pane.view.labels.every((label) => {
-            const [u, v] = pane.view.project(label.position) ?? [-1e3, -1e3];
-            return Math.hypot(u - x, v - y) > 40;
-          });
-          if (free && pane.pick(x, y)) return { x: box.left + x, y: box.top + y };
-        }
-      }
-      throw new Error('no free place');
-    }),
-  );
-}

@@ -1,23 +1,14 @@
 // Motion, colours, forms, painting and runs.
 import assert from 'node:assert/strict';
-import { after, before, test } from 'node:test';
-import { launch, openPage, pointOnScreen, serve } from './browser.mjs';
+import { test } from 'node:test';
+import { studioOfFile } from './browser.mjs';
+import { draggable, pointOnScreen } from './places.mjs';
+import { mocked } from './servers.mjs';
 
-const mocked = !process.env.MIMESH_STUDIO_URL;
-let browser;
-let server;
-
-before(async () => {
-  [browser, server] = await Promise.all([launch(), serve({ resolution: 60 })]);
-});
-
-after(async () => {
-  await browser?.close();
-  await server?.close();
-});
+const studio = studioOfFile({ resolution: 60 });
 
 test('the timeline scrubs, plays at the rate of the clip and shows each pose on both meshes', async () => {
-  const page = await openPage(browser, server.url);
+  const page = await studio.open();
   await page.keyboard.press('.');
   await page.waitForFunction(() => window.mimesh.studio.live.source.peek()?.header.pose?.index === 0);
   const box = await page.locator('.timeline input').boundingBox();
@@ -38,13 +29,24 @@ test('the timeline scrubs, plays at the rate of the clip and shows each pose on 
   await page.close();
 });
 
-test('colours have a legend with figures and unit, and the worst list flies and sets the pose', async () => {
-  const page = await openPage(browser, server.url);
+test('colours have a legend with figures and unit', async () => {
+  const page = await studio.open();
   await page.click('#tab-result');
-  await page.selectOption('.result select', 'stretch');
+  await page.selectOption('.result select', 'edge_stretch');
   await page.waitForSelector('.legend:visible');
   assert.match(await page.textContent('.legend'), /stretch/);
   assert.equal(await page.locator('.legend-figures span').count(), 5);
+  await page.selectOption('.result select', 'pair_confidence');
+  await page.waitForFunction(() => /confidence, %/.test(document.querySelector('.legend').textContent));
+  assert.match(await page.textContent('.legend-figures'), /^0.*100$/);
+  assert.deepEqual(page.errors, []);
+  await page.close();
+});
+
+// Whether anything is above its limit depends on the samples.
+test('the worst list flies and sets the pose', { skip: !mocked }, async () => {
+  const page = await studio.open();
+  await page.click('#tab-result');
   const entry = page.locator('.worst-entry').first();
   await entry.waitFor();
   await entry.click();
@@ -53,14 +55,12 @@ test('colours have a legend with figures and unit, and the worst list flies and 
 });
 
 test('a drag is previewed while the hand moves', async () => {
-  const page = await openPage(browser, server.url);
-  const id = await page.evaluate(
-    () => window.mimesh.studio.markers.pairs.peek().find((pair) => pair.target && pair.source).id,
-  );
+  const page = await studio.open();
+  const { id } = await draggable(page, 'result', [12, 6]);
   const from = await pointOnScreen(page, 'result', id);
   await page.mouse.move(from.x, from.y);
   await page.mouse.down();
-  for (let i = 1; i <= 12; i++) await page.mouse.move(from.x - 2 * i, from.y + i);
+  for (let i = 1; i <= 12; i++) await page.mouse.move(from.x + i, from.y + i / 2);
   await page.waitForFunction(() => window.mimesh.studio.live.target.peek().header.drag !== null);
   await page.keyboard.press('Escape');
   await page.mouse.up();
@@ -69,8 +69,9 @@ test('a drag is previewed while the hand moves', async () => {
   await page.close();
 });
 
+// It names settings, limits and comments of the pipeline of the mock.
 test('forms and text are one document, with errors at the field', { skip: !mocked }, async () => {
-  const page = await openPage(browser, server.url);
+  const page = await studio.open();
   await page.click('#tab-stages');
   await page.click('[data-path="correspondence:fold"]');
   await page.fill('[data-path="correspondence.steps"]', '7');
@@ -92,8 +93,9 @@ test('forms and text are one document, with errors at the field', { skip: !mocke
   await page.close();
 });
 
+// A run of small samples may be over before a hand has cancelled it; the whole job has a run of the program.
 test('a run shows its progress, can be cancelled, and links its files', { skip: !mocked }, async () => {
-  const page = await openPage(browser, server.url);
+  const page = await studio.open();
   await page.click('.run-control .primary');
   await page.waitForSelector('.job:visible');
   await page.click('.job >> text=Cancel');
@@ -104,8 +106,8 @@ test('a run shows its progress, can be cancelled, and links its files', { skip: 
   await page.close();
 });
 
-test('a painted mask is saved and comes back', { skip: !mocked }, async () => {
-  const page = await openPage(browser, server.url);
+test('a painted mask is saved and comes back', async () => {
+  const page = await studio.open();
   await page.click('#tab-paint');
   const box = await page.locator('.pane-result').boundingBox();
   await page.mouse.move(box.x + box.width / 2, box.y + box.height * 0.42);
@@ -130,7 +132,7 @@ test('a painted mask is saved and comes back', { skip: !mocked }, async () => {
 });
 
 test('components are hidden, isolated and shown', async () => {
-  const page = await openPage(browser, server.url);
+  const page = await studio.open();
   const box = await page.locator('.pane-result').boundingBox();
   await page.mouse.move(box.x + box.width / 2, box.y + box.height * 0.42);
   await page.keyboard.press('h');

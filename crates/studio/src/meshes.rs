@@ -4,7 +4,7 @@ use std::sync::{Arc, OnceLock};
 
 use mimesh_core::{
     mesh::{Components, Mesh, Surface},
-    spatial::UpAxis,
+    spatial::{EdgePaths, UpAxis},
 };
 use mimesh_markers::{MarkerMesh, MeshReference, MeshRole};
 use mimesh_pipeline::input::RestMesh;
@@ -22,6 +22,7 @@ pub struct Meshes {
     /// The middles of their boxes, to which positions are relative that pages get.
     pub origins: [Vector3<f64>; 2],
     references: OnceLock<[MeshReference; 2]>,
+    target_paths: OnceLock<EdgePaths>,
 }
 
 /// What a page shows of a mesh in words and numbers.
@@ -59,7 +60,7 @@ impl Meshes {
             let (low, high) = rest.bounding_box_of(&rest.positions);
             0.5 * (low.coords + high.coords)
         });
-        Self { sides, origins, references: OnceLock::new() }
+        Self { sides, origins, references: OnceLock::new(), target_paths: OnceLock::new() }
     }
 
     /// The meshes that points of markers lie on.
@@ -72,6 +73,14 @@ impl Meshes {
         self.references.get_or_init(|| {
             let meshes = self.for_markers();
             [0, 1].map(|k: usize| MeshReference::new(self.sides[k].path.as_deref(), meshes[k]))
+        })
+    }
+
+    /// Paths over the surface of the target at rest.
+    pub fn target_paths(&self) -> &EdgePaths {
+        self.target_paths.get_or_init(|| {
+            let surface = self.for_markers()[1].surface;
+            EdgePaths::new(&surface.positions, &surface.triangles, &[])
         })
     }
 

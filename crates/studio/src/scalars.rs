@@ -4,6 +4,8 @@ use mimesh_core::stage::{Metric, MetricContext, MetricInput, TransferPair};
 use mimesh_pipeline::Prepared;
 use serde::Serialize;
 
+use crate::live::confidence;
+
 /// A colour map.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ScalarView {
@@ -18,7 +20,7 @@ pub struct ScalarView {
 }
 
 impl ScalarView {
-    /// The colour maps that the metrics of `prepared` give: those with a number for each vertex of the target at rest.
+    /// The colour map of confidence, and those that the metrics of `prepared` give: with a number for each vertex of the target.
     pub fn all(prepared: &Prepared) -> Vec<Self> {
         let target = &prepared.target;
         let pair = TransferPair {
@@ -29,11 +31,9 @@ impl ScalarView {
         };
         let context =
             MetricContext { rest: &target.sequence.rest, surface: &target.surface, pair: Some(pair), map: None };
-        prepared
-            .metrics
-            .iter()
-            .filter_map(|metric| Self::of(metric.as_ref(), context, !prepared.truth.is_none()))
-            .collect()
+        let of_metrics =
+            prepared.metrics.iter().filter_map(|metric| Self::of(metric.as_ref(), context, !prepared.truth.is_none()));
+        of_metrics.chain([confidence::view()]).collect()
     }
 
     fn of(metric: &dyn Metric, context: MetricContext<'_>, has_truth: bool) -> Option<Self> {
@@ -51,7 +51,21 @@ impl ScalarView {
         if measured.field.is_empty() {
             return None;
         }
-        let (title, unit) = measured.field_unit.rsplit_once(", ").unwrap_or((measured.field_unit, ""));
-        Some(Self { name: metric.typetag_name().into(), title: title.into(), unit: unit.into(), needs_truth })
+        Some(Self::new(metric.typetag_name(), measured.field_unit, needs_truth))
     }
+
+    /// The colour map `name`, whose numbers `words` describe.
+    pub fn new(name: &str, words: &str, needs_truth: bool) -> Self {
+        Self { name: name.into(), title: title(name), unit: unit(words).into(), needs_truth }
+    }
+}
+
+/// The name of a colour map, for people.
+pub fn title(name: &str) -> String {
+    name.replace('_', " ")
+}
+
+/// The unit at the end of the words for a field, as in `stretch, %`.
+pub fn unit(words: &str) -> &str {
+    words.rsplit_once(", ").map_or("", |(_, unit)| unit)
 }

@@ -112,8 +112,7 @@ async fn a_look_is_answered_with_frames_and_edits_with_new_ones() {
     let (dragged, bytes) = wait(&mut socket, |message| message["channel"] == "preview" && message["drag"] == 4).await;
     assert_eq!(dragged["revision"], client.markers()["revision"]);
     assert_ne!(positions(&bytes, 642), before);
-    // An edit ends it, and is told.
-    say(&mut socket, json!({ "type": "drag", "drag": 5, "pair": 1, "side": "target", "point": null })).await;
+    // A move of the pair ends it, and is told.
     let moved = client.clone();
     let edited = tokio::task::spawn_blocking(move || {
         moved.edit("m", json!([{ "op": "move", "pair": 1, "side": "target", "point": { "vertex": 100 } }])).json()
@@ -124,9 +123,23 @@ async fn a_look_is_answered_with_frames_and_edits_with_new_ones() {
         message["channel"] == "result" && message["revision"] == revision && !message["arrays"].is_null()
     })
     .await;
+    let (after, _) = wait(&mut socket, |message| {
+        message["channel"] == "preview" && message["revision"] == revision && message["drag"].is_null()
+    })
+    .await;
+    assert!(after["milliseconds"].is_number() || after["state"] == "ready", "{after}");
+    // What cannot be had is told at once.
+    wait(&mut socket, |message| message["channel"] == "truth" && message["state"] == "unavailable").await;
+    // How sure the pairs are: those of a file are confirmed.
+    let colours =
+        json!({ "type": "look", "look": 9, "pose": null, "channels": ["preview"], "scalar": "pair_confidence" });
+    say(&mut socket, colours).await;
+    let (sure, bytes) = wait(&mut socket, |message| message["look"] == 9 && !message["arrays"].is_null()).await;
+    assert_eq!((&sure["scalar"]["unit"], &sure["scalar"]["high"]), (&json!("%"), &json!(100.0)));
+    assert!(positions(&bytes, 642 + 214)[3 * 642..].iter().all(|share| *share == 100.0));
     // At rest the target rests.
-    say(&mut socket, json!({ "type": "look", "look": 2, "pose": null, "channels": ["preview"] })).await;
-    let (_, bytes) = wait(&mut socket, |message| message["look"] == 2 && !message["arrays"].is_null()).await;
+    say(&mut socket, json!({ "type": "look", "look": 10, "pose": null, "channels": ["preview"] })).await;
+    let (_, bytes) = wait(&mut socket, |message| message["look"] == 10 && !message["arrays"].is_null()).await;
     let mesh = {
         let rest = client.clone();
         tokio::task::spawn_blocking(move || rest.get("/api/mesh/target").body).await.unwrap()
@@ -135,9 +148,9 @@ async fn a_look_is_answered_with_frames_and_edits_with_new_ones() {
     let off = positions(&bytes, 642).iter().zip(&rest).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
     assert!(off < 1e-3, "{off}");
     // Half of a shape moves the source half as far.
-    say(&mut socket, json!({ "type": "look", "look": 3, "pose": { "blend": [[0, 0.5]] }, "channels": ["source"] }))
+    say(&mut socket, json!({ "type": "look", "look": 11, "pose": { "blend": [[0, 0.5]] }, "channels": ["source"] }))
         .await;
-    let (_, bytes) = wait(&mut socket, |message| message["look"] == 3 && !message["arrays"].is_null()).await;
+    let (_, bytes) = wait(&mut socket, |message| message["look"] == 11 && !message["arrays"].is_null()).await;
     assert_eq!(positions(&bytes, 162).len(), 486);
 }
 

@@ -157,11 +157,8 @@ export class Studio {
   private async connected(): Promise<void> {
     if (this.meshes.peek() === null) return;
     try {
-      const before = this.session.peek();
-      const session = await api.session();
-      // A server that was started anew counts projects anew, so the numbers alone do not tell whether the meshes are the same.
-      if (before?.project !== session.project || !sameMeshes(before, session)) this.meshes.value = null;
-      await this.show(session);
+      // What a server that was started anew has open has another number, even if it is the same pipeline.
+      await this.show(await api.session());
       this.markers.reopen(await api.markers());
       this.pipeline.open(await api.pipeline());
       this.live.reconnect();
@@ -219,11 +216,6 @@ export class Studio {
     if (job.state === 'failed') notify(sentence(job.error?.message ?? 'it failed'), job.error?.hint, 'error');
     if (job.state === 'done') notify(job.kind === 'run' ? 'The run is done.' : 'New proposals are there.');
   }
-}
-
-function sameMeshes(a: Session, b: Session): boolean {
-  const facts = ({ source, target }: Session) => JSON.stringify([source, target]);
-  return facts(a) === facts(b);
 }
 
 async function loadMesh(side: Side): Promise<MeshData> {

@@ -29,7 +29,7 @@ export function legend(studio: Studio): HTMLElement {
     element.hidden = scale.value === null;
     if (scale.value === null) return;
     const scalar = JSON.parse(scale.value) as FrameScalar;
-    const map = mapOf(scalar.name);
+    const map = mapOf(scalar);
     const colours = Array.from({ length: STOPS }, (_, i) => cssColour(sampleColour(map, i / (STOPS - 1))));
     title.textContent = scalar.unit ? `${scalar.title}, ${scalar.unit}` : scalar.title;
     bar.style.backgroundImage = `linear-gradient(to right, ${colours.join(', ')})`;

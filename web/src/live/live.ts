@@ -25,7 +25,7 @@ export class Live {
   readonly source = signal<Shown | null>(null);
   readonly target = signal<Shown | null>(null);
   readonly truth = signal<Shown | null>(null);
-  readonly states = signal<Partial<Record<'preview' | 'result', LiveState>>>({});
+  readonly states = signal<Partial<Record<LiveState['channel'], LiveState>>>({});
   readonly worst = signal<Worst[]>([]);
   /** From the last drag that was sent to its picture, in milliseconds. */
   readonly latency = signal<number | null>(null);
@@ -119,6 +119,7 @@ export class Live {
       if (header.look >= (this.source.peek()?.header.look ?? 0)) this.source.value = shown;
     } else if (header.channel === 'truth') {
       if (header.look >= (this.truth.peek()?.header.look ?? 0)) this.truth.value = shown;
+      if (this.states.peek().truth) this.states.value = { ...this.states.peek(), truth: undefined };
     } else if (replaces(this.stamp, header)) {
       this.stamp = header;
       this.target.value = shown;
@@ -128,6 +129,10 @@ export class Live {
 
   setState(state: LiveState): void {
     this.states.value = { ...this.states.peek(), [state.channel]: state };
+    if (state.channel === 'truth') {
+      this.truth.value = null;
+      return;
+    }
     if (state.state === 'unavailable' || state.state === 'failed') this.answered = this.look;
   }
 

@@ -1,15 +1,16 @@
 import { display } from '../app/display.ts';
 import type { Studio } from '../app/studio.ts';
 import { sentence } from '../protocol/client.ts';
-import type { LiveState, Worst } from '../protocol/types.ts';
+import type { LiveState } from '../protocol/types.ts';
 import { runReport } from '../stages/run.ts';
 import { select } from '../ui/controls.ts';
 import { fill, h } from '../ui/dom.ts';
 import { effect } from '../ui/signal.ts';
-import { verdict } from '../ui/verdict.ts';
-import { formatNumber } from '../viewer/colours.ts';
 import type { Stage } from '../views/stage.ts';
 import { shapeSliders } from './sliders.ts';
+import { worstEntries } from './worst.ts';
+
+const MOST_OF_RUN = 12;
 
 /** Colours, shapes, the worst places and the last run. */
 export function resultPanel(studio: Studio, stage: Stage): HTMLElement {
@@ -37,15 +38,17 @@ export function resultPanel(studio: Studio, stage: Stage): HTMLElement {
     shapeSliders(studio),
     worstList(studio, stage),
     runReport(studio),
+    worstOfRun(studio, stage),
   );
 }
 
 function liveState(studio: Studio): HTMLElement {
   const element = h('div', { class: 'live-states', role: 'status', 'aria-live': 'polite' });
   effect(() => {
-    const { preview, result } = studio.live.states.value;
+    const { preview, result, truth } = studio.live.states.value;
     const reason = studio.session.value?.live.reason ?? null;
-    const lines = [describeState('Preview', preview), describeState('Result', result)].filter((line) => line !== null);
+    const states = [describeState('Preview', preview), describeState('Result', result), describeState('Truth', truth)];
+    const lines = states.filter((line) => line !== null);
     if (reason) lines.unshift(sentence(reason));
     fill(
       element,
@@ -69,38 +72,31 @@ function describeState(name: string, state: LiveState | undefined): string | nul
   }
 }
 
+/** The worst places of the pose that is shown. */
 function worstList(studio: Studio, stage: Stage): HTMLElement {
   const list = h('ol', { class: 'worst' });
-  const empty = h('p', { class: 'muted' }, 'When a result is there, its worst places are listed here.');
+  const empty = h('p', { class: 'muted' });
   effect(() => {
     const worst = studio.live.worst.value;
+    const ready = studio.live.states.value.result?.state === 'ready';
     empty.hidden = worst.length > 0;
-    fill(list, ...worst.map((entry) => h('li', {}, worstEntry(studio, stage, entry))));
+    empty.textContent = ready
+      ? 'Nothing is above its limit in this pose.'
+      : 'When a result is there, its worst places are listed here.';
+    fill(list, ...worstEntries(studio, stage, worst));
   });
   return h('section', { class: 'block', 'aria-label': 'Worst places' }, h('h3', {}, 'Worst places'), empty, list);
 }
 
-function worstEntry(studio: Studio, stage: Stage, worst: Worst): HTMLElement {
-  const place = [worst.about, worst.pose_name].filter(Boolean).join(' · ');
-  const value = worst.value === null ? 'not measured' : `${formatNumber(worst.value)} ${worst.unit}`;
-  const limit = worst.limit === null ? '' : `, limit ${formatNumber(worst.limit)} ${worst.unit}`;
-  return h(
-    'button',
-    {
-      type: 'button',
-      class: `worst-entry ${worst.level}`,
-      onclick: () => {
-        if (worst.pose !== null) {
-          studio.live.playing.value = false;
-          studio.live.pose.value =
-            studio.session.peek()?.poses?.are === 'shapes' ? { blend: [[worst.pose, 1]] } : { index: worst.pose };
-        }
-        if (worst.vertex !== null) stage.flyToPoints(null, { vertex: worst.vertex });
-      },
-    },
-    verdict(worst.level),
-    h('span', { class: 'figure' }, value),
-    h('span', { class: 'about' }, `${worst.title}${limit}`),
-    h('span', { class: 'place' }, place || 'whole run'),
-  );
+/** The worst places of the last run, over all poses. */
+function worstOfRun(studio: Studio, stage: Stage): HTMLElement {
+  const list = h('ol', { class: 'worst' });
+  const title = 'Worst places of the run';
+  const element = h('section', { class: 'block', 'aria-label': title }, h('h3', {}, title), list);
+  effect(() => {
+    const worst = studio.jobs.value.find((job) => job.kind === 'run')?.result?.worst ?? [];
+    element.hidden = worst.length === 0;
+    fill(list, ...worstEntries(studio, stage, worst.slice(0, MOST_OF_RUN)));
+  });
+  return element;
 }

@@ -1,6 +1,7 @@
 import { api, ConnectionError, describeError, RequestError } from '../protocol/client.ts';
 import type { Conflict, EditResult, Markers, Op, Pair } from '../protocol/types.ts';
 import { signal } from '../ui/signal.ts';
+import { EMPTY } from './empty.ts';
 import { EditQueue, type PendingEdit } from './queue.ts';
 import { recoverEdits } from './recover.ts';
 
@@ -12,18 +13,6 @@ export interface Notice {
 const RETRY_MILLISECONDS = 1500;
 /** The answers that say that the edit itself is wrong. Others, such as 401 of a server that was started anew, may pass. */
 const HOPELESS = [400, 404, 413, 415, 422];
-const EMPTY: Markers = {
-  revision: 0,
-  file: null,
-  pairs: [],
-  can_undo: false,
-  can_redo: false,
-  undo: null,
-  redo: null,
-  problems: [],
-  disk: 'saved',
-  disk_error: null,
-};
 
 /**
  * The document of markers in the page. An edit shows at once and is sent in order; it stays in the browser's storage until the server

@@ -187,7 +187,7 @@ export interface FrameScalar {
 }
 
 export interface LiveState {
-  channel: 'preview' | 'result';
+  channel: 'preview' | 'result' | 'truth';
   state: 'computing' | 'ready' | 'unavailable' | 'failed';
   revision: number;
   stage: string | null;

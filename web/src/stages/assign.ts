@@ -1,6 +1,5 @@
+import type { Step } from '../protocol/types.ts';
 import { isObject, type Json, valueAt } from './schema.ts';
-
-type Step = string | number;
 
 export interface Assignment {
   path: Step[];

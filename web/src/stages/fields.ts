@@ -1,5 +1,6 @@
+import type { Step } from '../protocol/types.ts';
 import { h } from '../ui/dom.ts';
-import type { FormHost } from './form.ts';
+import type { FormHost } from './host.ts';
 import {
   type EnumField,
   type Field,
@@ -11,8 +12,6 @@ import {
   rangeText,
   valueAt,
 } from './schema.ts';
-
-type Step = string | number;
 
 /** The control of a simple field. Its element has the path, so that the focus can be found again after a redraw. */
 export function control(host: FormHost, field: Field, path: Step[], id: string): HTMLElement {

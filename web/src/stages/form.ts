@@ -1,9 +1,10 @@
-import type { Diagnostic, Pipeline } from '../protocol/types.ts';
+import type { Diagnostic, Step } from '../protocol/types.ts';
 import { button } from '../ui/controls.ts';
 import { h, uniqueId } from '../ui/dom.ts';
 import { icon } from '../ui/icons.ts';
 import { prose } from '../ui/prose.ts';
 import { control } from './fields.ts';
+import type { FormHost } from './host.ts';
 import {
   type Field,
   flowText,
@@ -15,19 +16,6 @@ import {
   typeOf,
   valueAt,
 } from './schema.ts';
-
-type Step = string | number;
-
-/** What a form needs of the pipeline that it edits. */
-export interface FormHost {
-  pipeline: Pipeline;
-  /** The paths of the settings that are unfolded. */
-  open: Set<string>;
-  set: (path: Step[], value: Json) => void;
-  unset: (path: Step[]) => void;
-  /** Draws the form anew, e.g. when something is unfolded. */
-  redraw: () => void;
-}
 
 /** A field of any kind, with its name, help, value and faults. */
 export function fieldElement(host: FormHost, field: Field, path: Step[]): HTMLElement {

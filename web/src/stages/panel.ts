@@ -4,7 +4,8 @@ import { fill, h } from '../ui/dom.ts';
 import { effect, signal } from '../ui/signal.ts';
 import { assignment } from './assign.ts';
 import { yamlEditor } from './editor.ts';
-import { type FormHost, fieldElement } from './form.ts';
+import { fieldElement } from './form.ts';
+import type { FormHost } from './host.ts';
 import { type Field, fieldsOf, type Json, type Schema, typeOf, valueAt } from './schema.ts';
 
 /** Every stage and setting as a form, beside the text of the pipeline. Both show the same document. */

@@ -77,7 +77,7 @@ function reportOf(job: Job): Node[] {
       ...(job.error?.diagnostics ?? []).map((entry) => h('p', { class: 'problem' }, entry.message)),
     ];
   }
-  return job.result ? [...verdictOf(job.result, job.seconds), filesOf(job.result)] : [];
+  return job.result ? [...verdictOf(job.result, job.seconds), ...filesOf(job.result)] : [];
 }
 
 function verdictOf(result: RunResult, seconds: number): Node[] {
@@ -91,19 +91,26 @@ const OUTCOMES: Record<RunResult['status'], string> = {
   partly: 'Partly done',
 };
 
-function filesOf(result: RunResult): HTMLElement {
-  return h(
-    'ul',
-    { class: 'files' },
-    ...result.written.map((file) =>
-      h(
-        'li',
-        {},
-        h('a', { href: file.url, target: '_blank', rel: 'noopener' }, icon('file'), file.name),
-        h('span', { class: 'muted' }, `${file.path} · ${bytes(file.bytes)}`),
-      ),
+function filesOf(result: RunResult): HTMLElement[] {
+  const folders = new Set(result.written.map((file) => folderOf(file.path)));
+  const [folder] = folders;
+  const together = folders.size === 1;
+  const files = result.written.map((file) =>
+    h(
+      'li',
+      {},
+      h('a', { href: file.url, target: '_blank', rel: 'noopener', title: file.path }, icon('file'), file.name),
+      h('span', { class: 'muted' }, together ? bytes(file.bytes) : `${file.path} · ${bytes(file.bytes)}`),
     ),
   );
+  return [
+    h('ul', { class: 'files' }, ...files),
+    ...(together ? [h('p', { class: 'muted place' }, `In ${folder}`)] : []),
+  ];
+}
+
+function folderOf(path: string): string {
+  return path.replace(/[\\/][^\\/]*$/, '');
 }
 
 export function bytes(count: number): string {

@@ -1,5 +1,5 @@
 import { CanvasTexture, LinearFilter } from 'three';
-import type { Label } from './labels.ts';
+import type { Label } from './label.ts';
 
 /** The size of the picture of one label, in pixels of the page; its dot lies at `DOT_X`, `DOT_Y`. */
 export const CELL_WIDTH = 64;

@@ -8,26 +8,11 @@ import {
   Scene,
   ShaderMaterial,
   Vector2,
-  type Vector3,
   type WebGLRenderer,
 } from 'three';
+import type { Label } from './label.ts';
 import { CELL_HEIGHT, CELL_WIDTH, DOT_X, DOT_Y, LabelAtlas, TAG_OFFSET } from './labelatlas.ts';
 import type { View } from './view.ts';
-
-/** A numbered point on a mesh. */
-export interface Label {
-  id: number;
-  text: string;
-  colour: string;
-  /** The place and the normal there, in the unit frame. */
-  position: Vector3;
-  normal: Vector3;
-  /** Proposed points are hollow, confirmed ones filled. */
-  hollow: boolean;
-  faint: boolean;
-  selected: boolean;
-  hovered: boolean;
-}
 
 interface Place {
   label: Label;

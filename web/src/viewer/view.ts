@@ -1,5 +1,5 @@
 import { Color, PerspectiveCamera, type Ray, Raycaster, Scene, Vector2, type Vector3 } from 'three';
-import type { Label } from './labels.ts';
+import type { Label } from './label.ts';
 import { applyOrbit, between, cloneOrbit, type Orbit, wholeOrbit } from './orbit.ts';
 import type { Surface } from './surface.ts';
 

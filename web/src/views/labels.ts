@@ -1,7 +1,7 @@
 import type { DraggedPoint } from '../app/studio.ts';
 import { pairColour } from '../markers/colours.ts';
 import type { Pair } from '../protocol/types.ts';
-import type { Label } from '../viewer/labels.ts';
+import type { Label } from '../viewer/label.ts';
 import type { Pane } from './pane.ts';
 
 export interface LabelState {

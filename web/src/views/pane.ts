@@ -3,7 +3,7 @@ import { pointOn, triangleNormal } from '../picking/barycentric.ts';
 import { type Hit, Picker } from '../picking/picker.ts';
 import type { Point, Side } from '../protocol/types.ts';
 import { h } from '../ui/dom.ts';
-import type { Label } from '../viewer/labels.ts';
+import type { Label } from '../viewer/label.ts';
 import { type MeshData, Surface } from '../viewer/surface.ts';
 import { View } from '../viewer/view.ts';
 import type { Viewer } from '../viewer/viewer.ts';

@@ -1,7 +1,7 @@
 import { display } from '../app/display.ts';
 import type { Meshes, Studio } from '../app/studio.ts';
 import { MarkerTool } from '../markers/tool.ts';
-import type { Point, Session } from '../protocol/types.ts';
+import type { FrameScalar, Point, Session } from '../protocol/types.ts';
 import { h } from '../ui/dom.ts';
 import { effect, signal } from '../ui/signal.ts';
 import { theme } from '../ui/theme.ts';
@@ -153,7 +153,7 @@ export class Stage {
     const changed = this.panes.peek().filter(({ surface, side, role }) => {
       if (painted) return surface?.setValues(painted.side === side ? painted.values : null, 'mask', 0, 1);
       if (role === 'result' && named && shown?.values && shown.scalar?.name === named) {
-        return surface?.setValues(shown.values, mapOf(named), shown.scalar.low, shown.scalar.high);
+        return surface?.setValues(shown.values, mapOf(shown.scalar), shown.scalar.low, shown.scalar.high);
       }
       return surface?.setValues(null);
     });
@@ -214,13 +214,8 @@ export class Stage {
   }
 }
 
-const MAPS: Record<string, ColourMapName> = {
-  error: 'error',
-  stretch: 'stretch',
-  gaps: 'gaps',
-  confidence: 'confidence',
-};
+const MAPS: Record<string, ColourMapName> = { component_gaps: 'gaps', pair_confidence: 'confidence' };
 
-export function mapOf(scalar: string): ColourMapName {
-  return MAPS[scalar] ?? 'error';
+export function mapOf({ name, low }: FrameScalar): ColourMapName {
+  return MAPS[name] ?? (low < 0 ? 'stretch' : 'error');
 }

@@ -75,10 +75,10 @@ export class Project {
         })),
       },
       scalars: [
-        { name: 'error', title: 'error', unit: '% of the diagonal', needs_truth: true },
-        { name: 'stretch', title: 'edge stretch', unit: '%', needs_truth: false },
-        { name: 'gaps', title: 'gaps', unit: '% of the diagonal', needs_truth: false },
-        { name: 'confidence', title: 'confidence', unit: '', needs_truth: false },
+        { name: 'point_error', title: 'point error', unit: '%', needs_truth: true },
+        { name: 'edge_stretch', title: 'edge stretch', unit: '%', needs_truth: false },
+        { name: 'component_gaps', title: 'component gaps', unit: '%', needs_truth: false },
+        { name: 'pair_confidence', title: 'pair confidence', unit: '%', needs_truth: false },
       ],
       has_truth: true,
       live: { preview: true, reason: null },
@@ -160,10 +160,10 @@ export class Project {
     for (let v = 0; v < values.length; v++) {
       const [x, y, z] = mesh.positions.subarray(v * 3, v * 3 + 3);
       const wave = Math.abs(Math.sin(5 * x + 3 * phase * 6.28) * Math.cos(4 * y - z));
-      if (name === 'error') values[v] = 2.4 * wave * Math.max(0, 0.2 - y);
-      else if (name === 'stretch') values[v] = 18 * Math.sin(7 * y + 6.28 * phase) * Math.max(0, -y);
-      else if (name === 'gaps') values[v] = mesh.positions.length / 3 - v < 400 ? 1.5 : Number.NaN;
-      else values[v] = 1 - wave;
+      if (name === 'point_error') values[v] = 2.4 * wave * Math.max(0, 0.2 - y);
+      else if (name === 'edge_stretch') values[v] = 18 * Math.abs(Math.sin(7 * y + 6.28 * phase)) * Math.max(0, -y);
+      else if (name === 'component_gaps') values[v] = mesh.positions.length / 3 - v < 400 ? 1.5 : Number.NaN;
+      else values[v] = 100 * (1 - wave);
     }
     return values;
   }

@@ -4,6 +4,8 @@ import { createServer } from 'node:http';
 import { extname, join, normalize } from 'node:path';
 import { WebSocketServer } from 'ws';
 import { writeContainer } from './container.mjs';
+import { folder } from './folder.mjs';
+import { startJob } from './jobs.mjs';
 import { Project } from './project.mjs';
 import { schema } from './schema.mjs';
 
@@ -13,6 +15,13 @@ const TYPES = {
   '.css': 'text/css',
   '.svg': 'image/svg+xml',
   '.json': 'application/json',
+};
+/** The ends of the colour scales, and limits. */
+const LIMITS = {
+  point_error: [0, 2, 1.5],
+  edge_stretch: [0, 20, 15],
+  component_gaps: [0, 2, 1],
+  pair_confidence: [0, 100, null],
 };
 const POLICY =
   "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; font-src 'self'; connect-src 'self'; worker-src 'self' blob:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
@@ -190,48 +199,7 @@ export class MockServer {
   }
 
   job(kind) {
-    const job = {
-      id: this.project.jobs.length + 1,
-      kind,
-      state: 'running',
-      stage: 'correspondence',
-      share: 0,
-      poses: null,
-      seconds: 0,
-      seconds_left: null,
-      error: null,
-      warnings: [],
-      result: null,
-    };
-    this.project.jobs.unshift(job);
-    const stages = ['correspondence', 'transfer', 'metrics', 'report'];
-    const timer = setInterval(() => {
-      if (job.state !== 'running') return clearInterval(timer);
-      job.seconds += 0.1;
-      const t = job.seconds / 1.6;
-      Object.assign(job, {
-        stage: stages[Math.min(3, Math.floor(t * 4))],
-        share: (t * 4) % 1,
-        poses: { done: Math.min(24, Math.floor(t * 24)), count: 24 },
-        seconds_left: Math.max(0, 1.6 - job.seconds),
-      });
-      if (t >= 1) {
-        job.state = 'done';
-        if (kind === 'run')
-          job.result = {
-            status: 'done',
-            verdict: 'doubtful',
-            written: [
-              { name: 'camel.glb', path: 'out/camel.glb', bytes: 1482332, url: '/api/output/0' },
-              { name: 'report.html', path: 'out/report.html', bytes: 223111, url: '/api/output/1' },
-            ],
-            report: {},
-            worst: this.project.worst(),
-          };
-      }
-      this.broadcast({ type: 'job', job });
-    }, 100);
-    return job;
+    return startJob(this.project, kind, (job) => this.broadcast({ type: 'job', job }));
   }
 
   connect(socket) {
@@ -286,7 +254,7 @@ export class MockServer {
       const arrays = { positions };
       const known = project.session().scalars.find((other) => other.name === scalar);
       const coloured = known && channel !== 'source';
-      const limits = { error: [0, 2, 1.5], stretch: [-20, 20, 15], gaps: [0, 2, 1], confidence: [0, 1, null] }[scalar];
+      const limits = LIMITS[scalar];
       if (coloured) arrays.scalars = project.scalars(scalar, pose, positions);
       const header = {
         project: project.number,
@@ -315,32 +283,4 @@ export class MockServer {
   broadcast(message) {
     for (const socket of this.sockets) socket.send(JSON.stringify(message));
   }
-}
-
-function folder(path) {
-  const root = { name: 'meshes', path: '/meshes' };
-  const file = (name, kind, bytes) => ({
-    name,
-    path: `${path ?? '/meshes'}/${name}`,
-    kind,
-    bytes,
-    modified: 1700000000,
-  });
-  const entries =
-    path === '/meshes/faces'
-      ? []
-      : [
-          file('faces', 'folder', 0),
-          file('broken.obj', 'mesh', 512),
-          file('camel.glb', 'mesh', 812332),
-          file('horse.glb', 'mesh', 1482332),
-          file('horse-to-camel.yaml', 'pipeline', 420),
-          file('notes.txt', 'other', 99),
-        ];
-  return {
-    path: path ?? '/meshes',
-    parent: path && path !== '/meshes' ? '/meshes' : null,
-    roots: [root, { name: 'Uploads', path: '/uploads' }],
-    entries,
-  };
 }

@@ -1,5 +1,6 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
+import { EMPTY } from '../../src/markers/empty.ts';
 import { EditQueue } from '../../src/markers/queue.ts';
 import { recoverEdits } from '../../src/markers/recover.ts';
 import type { EditResult, Markers, Pair } from '../../src/protocol/types.ts';
@@ -22,18 +23,7 @@ function pair(id: number, more: Partial<Pair> = {}): Pair {
 }
 
 function document(revision: number, pairs: Pair[]): Markers {
-  return {
-    revision,
-    file: null,
-    pairs,
-    can_undo: false,
-    can_redo: false,
-    undo: null,
-    redo: null,
-    problems: [],
-    disk: 'saved',
-    disk_error: null,
-  };
+  return { ...EMPTY, revision, pairs };
 }
 
 function answer(markers: Markers, added: (number | null)[] = []): EditResult {

@@ -13,6 +13,7 @@ use super::{
 use crate::{
     container::{self, Numbers},
     project::Project,
+    scalars,
 };
 
 /// What a frame shows.
@@ -37,8 +38,9 @@ impl Shown<'_> {
         let side = usize::from(channel != Channel::Source);
         let positions = container::relative(positions, project.meshes.origins[side]);
         let scalar = field.map(|field| {
-            let (title, unit) = field.words.rsplit_once(", ").unwrap_or((field.words, ""));
-            json!({ "name": look.scalar, "title": title, "unit": unit, "low": 0.0, "high": field.high, "limit": Value::Null })
+            let name = look.scalar.as_deref().unwrap_or_default();
+            let (title, unit) = (scalars::title(name), scalars::unit(field.words));
+            json!({ "name": name, "title": title, "unit": unit, "low": 0.0, "high": field.high, "limit": Value::Null })
         });
         let header = json!({
             "project": project.number,

@@ -4,7 +4,7 @@ use mimesh_core::stage::Marker;
 
 use super::look::Drag;
 use crate::{
-    markers::{Point, Status},
+    markers::{Point, Status, pair::Content},
     project::Project,
 };
 
@@ -17,24 +17,31 @@ pub struct LiveMarkers {
     pub drag: Option<u64>,
     /// The pairs on the surfaces.
     pub markers: Vec<Marker>,
+    /// How sure each of them is, from 0 to 1; NaN if nobody knows.
+    pub confidences: Vec<f64>,
 }
 
 impl LiveMarkers {
     /// The pairs of `project` that stages can use; that of `drag` with its point there.
     pub fn new(project: &Project, drag: Option<&Drag>) -> Self {
         let usable = project.markers.usable();
-        let mut live = Self { revision: usable.revision, drag: None, markers: usable.markers };
+        let confidences = usable.contents.iter().map(confidence).collect();
+        let mut live = Self { revision: usable.revision, drag: None, markers: usable.markers, confidences };
         let Some(Drag { drag, pair, side, point: Some(point) }) = drag else { return live };
         let mesh = project.meshes.for_markers()[side.index()];
         let Some(on) = point.normalised().ok().and_then(|point| mesh.surface.point(point.into())) else { return live };
         match usable.ids.iter().position(|id| id == pair) {
-            Some(i) if side.index() == 0 => live.markers[i].source = on,
-            Some(i) => live.markers[i].target = on,
+            Some(i) => {
+                let point = if side.index() == 0 { &mut live.markers[i].source } else { &mut live.markers[i].target };
+                *point = on;
+                live.confidences[i] = 1.0;
+            }
             // Its first point on this side.
             None => match partner(project, *pair, 1 - side.index()) {
                 Some((name, other)) => {
                     let (source, target) = if side.index() == 0 { (on, other) } else { (other, on) };
                     live.markers.push(Marker { name, source, target });
+                    live.confidences.push(1.0);
                 }
                 None => return live,
             },
@@ -51,6 +58,11 @@ impl LiveMarkers {
         live.drag = Some(*drag);
         live
     }
+}
+
+/// How sure a pair is; who confirmed it was sure.
+fn confidence(content: &Content) -> f64 {
+    if content.status == Status::Confirmed { 1.0 } else { content.confidence.unwrap_or(f64::NAN) }
 }
 
 /// The name of the incomplete pair `id`, and its point on side `k`.

@@ -57,10 +57,7 @@ impl ResultEngine {
         cancel: &Cancel,
         report: &(dyn Fn(&str, f64) + Sync),
     ) -> Result<Arc<BoundResult>> {
-        let ready = project.ready().ok_or_else(|| {
-            ApiError::new(Code::NotFound, "the pipeline has mistakes, or is still being checked")
-                .hint("look at the pipeline")
-        })?;
+        let ready = can_have_result(project)?;
         let mut bound = self.bound.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(bound) = &*bound
             && bound.project == project.number
@@ -75,6 +72,22 @@ impl ResultEngine {
         *bound = Some(new.clone());
         Ok(new)
     }
+}
+
+/// The pipeline, if it can give a result.
+///
+/// # Errors
+///
+/// [`Code::NotFound`] while the pipeline has mistakes, and if it has no transfer.
+pub fn can_have_result(project: &Project) -> Result<Arc<Ready>> {
+    let ready = project.ready().ok_or_else(|| {
+        ApiError::new(Code::NotFound, "the pipeline has mistakes, or is still being checked")
+            .hint("look at the pipeline")
+    })?;
+    if ready.prepared.pipeline.transfer.is_none() {
+        return Err(ApiError::new(Code::NotFound, "the pipeline has no transfer"));
+    }
+    Ok(ready)
 }
 
 fn bind(

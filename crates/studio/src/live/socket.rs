@@ -44,7 +44,7 @@ pub async fn serve(mut socket: WebSocket, studio: Arc<Studio>) {
             event = events.recv() => match event {
                 Ok(event) => {
                     if changes_frames(&event) {
-                        wishes.send_modify(|wish| wish.changes += 1);
+                        wishes.send_modify(|wish| wish.changed(&event));
                     }
                     send(&mut socket, &event).await
                 }
@@ -65,7 +65,7 @@ pub async fn serve(mut socket: WebSocket, studio: Arc<Studio>) {
                     let _ = socket.send(Frame::Close(Some(frame))).await;
                     return;
                 }
-                Some(Ok(Frame::Text(text))) => match wish(&text, &wishes) {
+                Some(Ok(Frame::Text(text))) => match wish(&text, &wishes, &studio) {
                     Ok(()) => Some(()),
                     Err(error) => send(&mut socket, &Message::Error { error }).await,
                 },
@@ -83,13 +83,19 @@ pub async fn serve(mut socket: WebSocket, studio: Arc<Studio>) {
 }
 
 /// Takes a message of the page for its new wish.
-fn wish(text: &str, wishes: &watch::Sender<Wish>) -> Result<(), ApiError> {
+fn wish(text: &str, wishes: &watch::Sender<Wish>, studio: &Studio) -> Result<(), ApiError> {
     let message: ToServer =
         serde_json::from_str(text).map_err(|error| ApiError::bad(format!("the message: {error}")))?;
-    wishes.send_modify(|wish| match message {
-        ToServer::Look(look) => wish.look = Some(look),
-        ToServer::Drag(drag) => wish.drag = Some(drag).filter(|drag| drag.point.is_some()),
-    });
+    match message {
+        ToServer::Look(look) => wishes.send_modify(|wish| wish.look = Some(look)),
+        ToServer::Drag(drag) => {
+            let now = studio.current().map_or(0, |project| project.markers.revision());
+            wishes.send_modify(|wish| {
+                wish.drag = Some(drag).filter(|drag| drag.point.is_some());
+                wish.dragged_at = now;
+            });
+        }
+    }
     Ok(())
 }
 

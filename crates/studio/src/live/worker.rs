@@ -11,15 +11,16 @@ use std::{
 use tokio::sync::{mpsc, watch};
 
 use super::{
+    confidence,
     frame::Shown,
     look::{Channel, Drag, Look, PoseRef},
     pair::LiveMarkers,
-    result::Looked,
+    result::{Looked, can_have_result},
 };
 use crate::{
     cancel::{Cancel, Stopped},
     error::{ApiError, Code, Result},
-    events::{LiveState, Message},
+    events::{Event, LiveState, Message},
     project::Project,
     studio::Studio,
 };
@@ -37,8 +38,22 @@ pub struct Wish {
     pub look: Option<Look>,
     /// The last drag.
     pub drag: Option<Drag>,
+    /// The revision of the markers when it came; who changes its pair after that ends it.
+    pub dragged_at: u64,
     /// Rises when markers or the pipeline have changed.
     pub changes: u64,
+}
+
+impl Wish {
+    /// Takes note of what has changed.
+    pub fn changed(&mut self, event: &Event) {
+        self.changes += 1;
+        if let Event::Markers { markers, .. } = event
+            && self.drag.as_ref().is_some_and(|drag| markers.changed_since(drag.pair, self.dragged_at))
+        {
+            self.drag = None;
+        }
+    }
 }
 
 /// What goes to a page.
@@ -86,17 +101,29 @@ impl Page {
             Ok(source) => source,
             Err(error) => return self.tell_now(Message::Error { error }),
         };
-        let plain = LiveMarkers { revision: project.markers.revision(), drag: None, markers: vec![] };
+        let plain =
+            LiveMarkers { revision: project.markers.revision(), drag: None, markers: vec![], confidences: vec![] };
         if look.channels.contains(&Channel::Source) && is_new_look {
             let shown = Shown { project: &project, channel: Channel::Source, look, live: &plain, began };
             self.frame(shown.frame(&source, None));
         }
-        if look.channels.contains(&Channel::Truth)
+        if look.channels.contains(&Channel::Truth) && is_new_look {
+            match truth_at(&project, &look.pose) {
+                Some(truth) => {
+                    let shown = Shown { project: &project, channel: Channel::Truth, look, live: &plain, began };
+                    self.frame(shown.frame(&truth, None));
+                }
+                None => {
+                    let error = ApiError::new(Code::NotFound, "the result of this pose is not known");
+                    self.tell_now(state("truth", LiveState::Unavailable, plain.revision, Some(error)));
+                }
+            }
+        }
+        if look.channels.contains(&Channel::Result)
             && is_new_look
-            && let Some(truth) = truth_at(&project, &look.pose)
+            && let Err(error) = can_have_result(&project)
         {
-            let shown = Shown { project: &project, channel: Channel::Truth, look, live: &plain, began };
-            self.frame(shown.frame(&truth, None));
+            self.tell_now(state("result", LiveState::Unavailable, plain.revision, Some(error)));
         }
         if !look.channels.contains(&Channel::Preview) {
             return;
@@ -108,9 +135,13 @@ impl Page {
             Ok(target) => {
                 let ready = project.ready();
                 let truth = truth_at(&project, &look.pose);
-                let colours = look.scalar.as_deref().zip(ready.as_ref()).and_then(|(name, ready)| {
-                    let truth = truth.as_deref();
-                    Looked { ready, live: &live, map: None, source: &source, target: &target, truth }.field(name)
+                let colours = look.scalar.as_deref().and_then(|name| match (name, ready.as_ref()) {
+                    (confidence::NAME, _) => Some(confidence::field(&project.meshes, &live)),
+                    (_, Some(ready)) => {
+                        let truth = truth.as_deref();
+                        Looked { ready, live: &live, map: None, source: &source, target: &target, truth }.field(name)
+                    }
+                    _ => None,
                 });
                 let shown = Shown { project: &project, channel: Channel::Preview, look, live: &live, began };
                 self.frame(shown.frame(&target, colours.as_ref()));
@@ -122,11 +153,17 @@ impl Page {
 
     /// The pipeline's own result, when nothing has changed for a moment.
     async fn a_moment_later(self, mut wishes: watch::Receiver<Wish>) {
+        let mut shown: Option<Wish> = None;
         while wishes.changed().await.is_ok() {
             loop {
                 // Changes that come meanwhile put it off.
                 while tokio::time::timeout(CALM, wishes.changed()).await.is_ok_and(|changed| changed.is_ok()) {}
                 let wish = wishes.borrow_and_update().clone();
+                // The page has it. When the drag is over it wants it again, in place of the preview.
+                if wish.drag.is_some() && shown.as_ref().is_some_and(|shown| is_same_result(shown, &wish)) {
+                    break;
+                }
+                shown = None;
                 let cancel = Cancel::default();
                 let (page, stop, of) = (self.clone(), cancel.clone(), wish.clone());
                 let mut work = tokio::task::spawn_blocking(move || stop.run(|| page.slow(&of, &stop)));
@@ -152,7 +189,10 @@ impl Page {
                         self.tell(state("result", LiveState::Failed, 0, Some(error))).await;
                         break;
                     }
-                    Some(_) => break,
+                    Some(_) => {
+                        shown = Some(wish);
+                        break;
+                    }
                     None => _ = work.await,
                 }
             }
@@ -203,7 +243,10 @@ impl Page {
         cancel.check();
         let truth = truth_at(project, &look.pose);
         let looked = bound.looked(&source, &target, truth.as_deref());
-        let colours = look.scalar.as_deref().and_then(|name| looked.field(name));
+        let colours = look.scalar.as_deref().and_then(|name| match name {
+            confidence::NAME => Some(confidence::field(&project.meshes, live)),
+            _ => looked.field(name),
+        });
         let shown = Shown { project, channel: Channel::Result, look, live, began };
         self.frame(shown.frame(&target, colours.as_ref()));
         self.tell_now(state("result", LiveState::Ready, live.revision, None));

@@ -66,6 +66,13 @@ pub struct MarkersView {
     disk_error: Option<String>,
 }
 
+impl MarkersView {
+    /// Whether the pair `id` was changed after `revision`, or is gone.
+    pub fn changed_since(&self, id: u64, revision: u64) -> bool {
+        self.pairs.iter().find(|pair| pair.id == id).is_none_or(|pair| pair.revision > revision)
+    }
+}
+
 #[derive(Clone, Debug, Serialize)]
 struct PairView {
     id: u64,

@@ -1,16 +1,16 @@
 // The 3D view of a report that the program has made, opened from the disk as a reader does.
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
-import { existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
-import { fileURLToPath, pathToFileURL } from 'node:url';
+import { pathToFileURL } from 'node:url';
 import { chromium } from 'playwright-core';
-import { launch } from './browser.mjs';
+import { launch } from '../browser.mjs';
+import { program } from './program.mjs';
 
-const PROGRAM = process.env.MIMESH ?? fileURLToPath(new URL('../../target/release/mimesh', import.meta.url));
 const AXE = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
 const ANIMAL = 'type: quadruped, gait: gallop, resolution: 30, frames: 4';
 const PIPELINE = `source: { generator: { ${ANIMAL}, proportions: horse } }
@@ -21,16 +21,14 @@ pictures: { view_3d: true }
 output: [out/report.html]
 `;
 
-const missing = existsSync(PROGRAM) || process.env.CI ? false : 'the program is not built';
 let browser;
 let folder;
 let url;
 
 before(async () => {
-  if (missing) return;
   folder = mkdtempSync(join(tmpdir(), 'mimesh-report-'));
   writeFileSync(join(folder, 'p.yaml'), PIPELINE);
-  execFileSync(PROGRAM, ['run', 'p.yaml', '--quiet', '--no-cache'], {
+  execFileSync(program, ['run', 'p.yaml', '--quiet', '--no-cache'], {
     cwd: folder,
     stdio: ['ignore', 'ignore', 'inherit'],
   });
@@ -101,7 +99,7 @@ async function drag(page, side, x, y) {
 }
 
 for (const width of [1200, 390]) {
-  test(`at ${width} pixels both meshes are seen, and turn together`, { skip: missing }, async () => {
+  test(`at ${width} pixels both meshes are seen, and turn together`, async () => {
     const page = await open(width);
     for (const { covered } of await look(page)) assert.ok(covered > 0.08 && covered < 0.7, `${covered}`);
     assert.deepEqual(await changed(page, () => drag(page, 0, 80, 20)), [true, true]);
@@ -119,7 +117,7 @@ for (const width of [1200, 390]) {
   });
 }
 
-test('poses, colours, wireframe and rest are chosen', { skip: missing }, async () => {
+test('poses, colours, wireframe and rest are chosen', async () => {
   const page = await open(1200);
   const poses = page.getByRole('radio');
   assert.equal(await poses.count(), 4);
@@ -137,7 +135,7 @@ test('poses, colours, wireframe and rest are chosen', { skip: missing }, async (
   await page.close();
 });
 
-test('two fingers zoom, and one turns', { skip: missing }, async () => {
+test('two fingers zoom, and one turns', async () => {
   const page = await open(390, { hasTouch: true, isMobile: true });
   const touch = await page.context().newCDPSession(page);
   const { x, y, width, height } = await page.locator('.v3-surface').first().boundingBox();
@@ -176,7 +174,7 @@ test('two fingers zoom, and one turns', { skip: missing }, async () => {
   await page.close();
 });
 
-test('the wheel scrolls the page until a view is clicked', { skip: missing }, async () => {
+test('the wheel scrolls the page until a view is clicked', async () => {
   const page = await open(1200);
   const view = page.locator('.v3-surface').first();
   const distance = () => page.evaluate(() => window.mimesh.stage.views[0].orbit.distance);
@@ -190,7 +188,7 @@ test('the wheel scrolls the page until a view is clicked', { skip: missing }, as
   await page.close();
 });
 
-test('axe finds nothing serious in the page, in light and dark, wide and narrow', { skip: missing }, async () => {
+test('axe finds nothing serious in the page, in light and dark, wide and narrow', async () => {
   for (const [width, colorScheme] of [
     [1200, 'light'],
     [390, 'light'],
@@ -208,7 +206,7 @@ test('axe finds nothing serious in the page, in light and dark, wide and narrow'
   }
 });
 
-test('without WebGL or scripts the pictures stay, and a sentence says why', { skip: missing }, async () => {
+test('without WebGL or scripts the pictures stay, and a sentence says why', async () => {
   const plain = await chromium.launch({
     executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium',
     args: ['--no-sandbox', '--disable-3d-apis', '--disable-gpu'],

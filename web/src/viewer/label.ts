@@ -1,0 +1,16 @@
+import type { Vector3 } from 'three';
+
+/** A numbered point on a mesh. */
+export interface Label {
+  id: number;
+  text: string;
+  colour: string;
+  /** The place and the normal there, in the unit frame. */
+  position: Vector3;
+  normal: Vector3;
+  /** Proposed points are hollow, confirmed ones filled. */
+  hollow: boolean;
+  faint: boolean;
+  selected: boolean;
+  hovered: boolean;
+}

@@ -1,0 +1,45 @@
+/** A job that goes on by itself; `tell` hears of it. */
+export function startJob(project, kind, tell) {
+  const job = {
+    id: project.jobs.length + 1,
+    kind,
+    state: 'running',
+    stage: 'correspondence',
+    share: 0,
+    poses: null,
+    seconds: 0,
+    seconds_left: null,
+    error: null,
+    warnings: [],
+    result: null,
+  };
+  project.jobs.unshift(job);
+  const stages = ['correspondence', 'transfer', 'metrics', 'report'];
+  const timer = setInterval(() => {
+    if (job.state !== 'running') return clearInterval(timer);
+    job.seconds += 0.1;
+    const t = job.seconds / 1.6;
+    Object.assign(job, {
+      stage: stages[Math.min(3, Math.floor(t * 4))],
+      share: (t * 4) % 1,
+      poses: { done: Math.min(24, Math.floor(t * 24)), count: 24 },
+      seconds_left: Math.max(0, 1.6 - job.seconds),
+    });
+    if (t >= 1) {
+      job.state = 'done';
+      if (kind === 'run')
+        job.result = {
+          status: 'done',
+          verdict: 'doubtful',
+          written: [
+            { name: 'camel.glb', path: 'out/camel.glb', bytes: 1482332, url: '/api/output/0' },
+            { name: 'report.html', path: 'out/report.html', bytes: 223111, url: '/api/output/1' },
+          ],
+          report: {},
+          worst: project.worst(),
+        };
+    }
+    tell(job);
+  }, 100);
+  return job;
+}
