@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use mimesh_document::diagnostic::{Diagnostic, Kind, Location};
+use mimesh_pipeline::staging;
 use mimesh_studio::{Server, Start, StudioOptions};
 
 use crate::cli::{CommandResult, cache::CacheOptions, roots::Roots, status::Status, terminal};
@@ -74,6 +75,12 @@ impl StudioCommand {
         if !self.no_open && open::that_detached(&url).is_err() {
             terminal::warn("no browser could be opened: open the URL yourself");
         }
+        // Without a handler an interrupt would leave uploads, and files that are half written.
+        let scratch = server.scratch().to_owned();
+        let _ = ctrlc::set_handler(move || {
+            let _ = std::fs::remove_dir_all(&scratch);
+            staging::discard_all_and_exit(Status::Interrupted as u8)
+        });
         server.run()?;
         Ok(Status::Done)
     }

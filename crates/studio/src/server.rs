@@ -3,7 +3,7 @@
 use std::{
     io,
     net::{IpAddr, SocketAddr, TcpListener, ToSocketAddrs},
-    path::PathBuf,
+    path::{Path, PathBuf},
     sync::Arc,
 };
 
@@ -56,7 +56,7 @@ pub struct Server {
     studio: Arc<Studio>,
     host: String,
     /// Removed at the end.
-    _scratch: TempDir,
+    scratch: TempDir,
 }
 
 impl Server {
@@ -108,7 +108,7 @@ impl Server {
         let guard = Guard::new(address.ip(), address.port(), &host);
         let guard = guard
             .map_err(|error| Diagnostic::new(Kind::Internal, format!("the system gives no random numbers: {error}")))?;
-        Ok(Self { listener, address, guard: Arc::new(guard), studio, host, _scratch: scratch })
+        Ok(Self { listener, address, guard: Arc::new(guard), studio, host, scratch })
     }
 
     /// The URL with the token, to be opened once.
@@ -129,6 +129,12 @@ impl Server {
     /// Whether only this machine can reach it.
     pub fn is_local(&self) -> bool {
         self.address.ip().is_loopback()
+    }
+
+    /// The folder for uploads and what else is the server's own. It is removed with the server; who ends the program in another way
+    /// removes it before.
+    pub fn scratch(&self) -> &Path {
+        self.scratch.path()
     }
 
     /// Serves pages until the program is ended.

@@ -175,6 +175,11 @@ impl MarkerDocument {
         for (outcome, &i) in done.outcomes.into_iter().zip(&used) {
             let of = self.pairs[i].clone();
             match outcome {
+                // The stage that found it looked for its partner too, whose place is near the image and not on it.
+                Outcome::Added(..) if of.content.status == Status::Proposed => {
+                    let reason = "it is only proposed: confirm it first".into();
+                    mirrored.left.push(Left { pair: of.id, reason });
+                }
                 Outcome::Added(..) if self.pairs.len() >= MAX_PAIRS => {
                     let reason = format!("there are {MAX_PAIRS} pairs, the most that a document takes");
                     mirrored.left.push(Left { pair: of.id, reason });
@@ -182,10 +187,7 @@ impl MarkerDocument {
                 Outcome::Added(at, _) => {
                     let added = file::content(&done.markers.pairs[at]);
                     let name = self.checked_name(added.name.as_deref(), None).unwrap_or_default();
-                    // A partner is as sure as the pair that it is an image of.
-                    let Content { status, confidence, .. } = of.content;
-                    let content = Content { name, status, confidence, ..added };
-                    let pair = self.new_pair(content, Origin::Mirrored, &context.change);
+                    let pair = self.new_pair(Content { name, ..added }, Origin::Mirrored, &context.change);
                     self.pairs.push(pair);
                     mirrored.added += 1;
                 }

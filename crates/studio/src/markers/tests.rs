@@ -207,6 +207,11 @@ fn mirroring_adds_partners_once() {
     assert_eq!(again.mirrored.map(|mirrored| mirrored.added), Some(0));
     document.undo(document.revision()).unwrap();
     assert_eq!(document.pairs().len(), 1);
+    // A proposal has no partner until somebody stands for it.
+    let status = |status| vec![Op::Status { pair: 1, status }];
+    document.edit(&edit(document.revision(), "4", "", status(Status::Proposed)), two.on()).unwrap();
+    let mirrored = document.edit(&edit(document.revision(), "5", "", mirror()), two.on()).unwrap().mirrored.unwrap();
+    assert_eq!((mirrored.added, mirrored.left.len()), (0, 1));
 }
 
 #[test]
