@@ -6,7 +6,7 @@ use mimesh_document::diagnostic::{Diagnostic, Kind, Location};
 use mimesh_pipeline::staging;
 use mimesh_studio::{Server, Start, StudioOptions};
 
-use crate::cli::{CommandResult, cache::CacheOptions, roots::Roots, status::Status, terminal};
+use crate::cli::{CommandResult, cache::CacheOptions, help_commands, roots::Roots, status::Status, terminal};
 
 /// Opens a page in the browser: look at both meshes, correct a few points, and watch the target move.
 ///
@@ -64,6 +64,7 @@ impl StudioCommand {
             port: self.port,
             allow_commands: self.allow_commands,
             cache: self.cache.open()?,
+            help: help_commands::of_pipeline,
         })?;
         if !server.is_local() {
             terminal::warn(

@@ -33,7 +33,7 @@ impl Studio {
         job.begin("reading");
         project.pipeline.save_new();
         let cache = self.context.cache.as_ref();
-        let all = prepare_all(project.pipeline.file(), &self.context.options(), cache)?;
+        let all = prepare_all(project.pipeline.file(), &self.context.options(project.pipeline.file()), cache)?;
         let mut warnings = Vec::new();
         let mut reports = Vec::new();
         for prepared in &all {

@@ -8,7 +8,7 @@ use std::{
 };
 
 use mimesh_document::{Diagnostic, Kind, diagnostic};
-use mimesh_pipeline::cache::Cache;
+use mimesh_pipeline::{cache::Cache, input::HelpCommands};
 use tempfile::TempDir;
 
 use crate::{
@@ -36,6 +36,8 @@ pub struct StudioOptions {
     pub allow_commands: bool,
     /// Results of earlier runs.
     pub cache: Option<Cache>,
+    /// The commands that the reports of a pipeline name.
+    pub help: fn(&Path) -> HelpCommands,
 }
 
 /// What is opened at once.
@@ -66,7 +68,7 @@ impl Server {
     ///
     /// What is wrong with the files, and if the server cannot listen.
     pub fn new(options: StudioOptions) -> diagnostic::Result<Self> {
-        let StudioOptions { start, folder, roots, host, port, allow_commands, cache } = options;
+        let StudioOptions { start, folder, roots, host, port, allow_commands, cache, help } = options;
         let scratch = tempfile::Builder::new()
             .prefix("mimesh-studio-")
             .tempdir()
@@ -93,7 +95,7 @@ impl Server {
         };
         let all = std::iter::once(folder).chain(roots.iter().cloned()).chain(folders_of).map(named);
         let folders = Folders::new(all.chain([("Uploads".to_owned(), uploads.clone())]));
-        let context = Context { roots, allow_commands, cache, scratch: own };
+        let context = Context { roots, allow_commands, cache, scratch: own, help };
         let studio = Studio::new(context, folders, uploads);
         let studio = Arc::new(studio.map_err(|error| fault("start threads", &io::Error::other(error)))?);
         if let Some(start) = start {

@@ -286,7 +286,7 @@ impl Studio {
 
     /// Checks the whole pipeline with the pairs that stages can use in place of its markers.
     fn check(&self, project: &Project, usable: &Usable) {
-        let mut options = self.context.options();
+        let mut options = self.context.options(project.pipeline.file());
         if !usable.markers.is_empty()
             && let Some(file) = self.scratch_markers(project, usable)
         {

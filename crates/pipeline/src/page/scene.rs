@@ -198,7 +198,7 @@ mod tests {
     #[test]
     fn rounding_keeps_to_its_bound() {
         let positions: Vec<[f64; 3]> =
-            (0..500).map(|i| f64::from(i)).map(|i| [i.sin() * 3.0, (i * 1.7).cos(), i * 1e-3 + 40.0]).collect();
+            (0..500).map(f64::from).map(|i| [i.sin() * 3.0, (i * 1.7).cos(), i * 1e-3 + 40.0]).collect();
         let coordinates = Coordinates::new(&positions);
         for (k, position) in positions.iter().enumerate() {
             let distance: f64 = (0..3)

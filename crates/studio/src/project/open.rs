@@ -13,7 +13,7 @@ use mimesh_document::{diagnostic, paths};
 use mimesh_pipeline::{
     Options,
     cache::Cache,
-    input::{PosedMeshes, ViewScript},
+    input::{HelpCommands, PosedMeshes, ViewScript},
     prepare_posed_meshes,
 };
 use serde::Deserialize;
@@ -55,13 +55,17 @@ pub struct Context {
     pub cache: Option<Cache>,
     /// A folder for files that nobody else sees.
     pub scratch: PathBuf,
+    /// The commands that the reports of a pipeline name.
+    pub help: fn(&Path) -> HelpCommands,
 }
 
 impl Context {
-    /// The options with which pipelines are checked.
-    pub fn options(&self) -> Options {
+    /// The options with which `pipeline` is checked and run.
+    pub fn options(&self, pipeline: &Path) -> Options {
         let view_script = ViewScript { text: mimesh_web::report_viewer(), hint: mimesh_web::HOW_TO_BUILD.into() };
-        Options { roots: self.roots.clone(), allow_commands: self.allow_commands, view_script, ..Options::default() }
+        let Self { roots, allow_commands, help, .. } = self;
+        let (roots, allow_commands, help) = (roots.clone(), *allow_commands, help(pipeline));
+        Options { roots, allow_commands, view_script, help, ..Options::default() }
     }
 }
 
@@ -85,7 +89,7 @@ impl Project {
         let pipeline = PipelineStore::open(file, text)?;
         let (document, included) = pipeline.document().1?;
         let opened_by = meshes_of(&document.value);
-        let read = prepare_posed_meshes(document, included, &context.options(), context.cache.as_ref())?;
+        let read = prepare_posed_meshes(document, included, &context.options(pipeline.file()), context.cache.as_ref())?;
         let PosedMeshes { source, target, poses, poses_are, fps, units, formats, markers, landmarks, warnings: _ } =
             read;
         let fps = fps.or_else(|| fps_of(&poses));

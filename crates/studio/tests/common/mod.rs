@@ -12,6 +12,7 @@ use std::{
 };
 
 use mimesh_core::{mesh::Surface, testkit::meshes};
+use mimesh_pipeline::input::HelpCommands;
 use mimesh_studio::{Server, Start, StudioOptions};
 use serde_json::{Value, json};
 use {
@@ -85,6 +86,7 @@ pub fn options(folder: &Path, start: Option<Start>) -> StudioOptions {
         port: 0,
         allow_commands: false,
         cache: None,
+        help: |_| HelpCommands::default(),
     }
 }
 
