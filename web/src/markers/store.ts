@@ -174,11 +174,8 @@ export class MarkerStore {
     if (result.conflicts.length > 0) this.conflicts.value = [...this.conflicts.peek(), ...result.conflicts];
     const { mirrored } = result;
     if (mirrored) {
-      const left = mirrored.left.length > 0 ? ` ${mirrored.left.length} had no place on the other side.` : '';
-      this.onNotice({
-        text: `Added ${mirrored.added} mirrored ${mirrored.added === 1 ? 'pair' : 'pairs'}.${left}`,
-        hint: null,
-      });
+      const pairs = mirrored.added === 1 ? 'pair' : 'pairs';
+      this.onNotice({ text: `Added ${mirrored.added} mirrored ${pairs}.`, hint: withoutPartner(mirrored.left) });
     }
   }
 
@@ -188,6 +185,15 @@ export class MarkerStore {
     this.waiting.value = this.queue.waiting.length;
     writePending(this.key, this.queue.waiting);
   }
+}
+
+/** How many pairs got no partner, by the reasons. */
+function withoutPartner(left: { reason: string }[]): string | null {
+  if (left.length === 0) return null;
+  const counts = new Map<string, number>();
+  for (const { reason } of left) counts.set(reason, (counts.get(reason) ?? 0) + 1);
+  const reasons = [...counts].map(([reason, count]) => `${count} (${reason})`);
+  return `Without a partner: ${reasons.join(', ')}.`;
 }
 
 function readPending(key: string): PendingEdit[] {
