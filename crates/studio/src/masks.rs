@@ -81,7 +81,9 @@ impl Project {
         if let Some(unknown) = components.iter().find(|name| !known.contains(name)) {
             return Err(ApiError::bad(format!("the {} has no component `{unknown}`", side.role())));
         }
-        self.put_mask(side, name, json!({ "components": components }))
+        // Pipelines read weights, which stay right when components are named anew.
+        let weights = self.meshes.weights_of_components(side.index(), components);
+        self.put_mask(side, name, json!({ "components": components, "weights": weights }))
     }
 
     /// The mask as weights of vertices, in a container.
