@@ -4,7 +4,11 @@ use mimesh_core::stage::{Metric, MetricContext, MetricInput, TransferPair};
 use mimesh_pipeline::Prepared;
 use serde::Serialize;
 
-use crate::live::confidence;
+/// The colour map of how sure pairs are; no metric has this name.
+pub const CONFIDENCE: &str = "pair_confidence";
+
+/// Its name and unit.
+pub const CONFIDENCE_WORDS: &str = "confidence, %";
 
 /// A colour map.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -33,7 +37,7 @@ impl ScalarView {
             MetricContext { rest: &target.sequence.rest, surface: &target.surface, pair: Some(pair), map: None };
         let of_metrics =
             prepared.metrics.iter().filter_map(|metric| Self::of(metric.as_ref(), context, !prepared.truth.is_none()));
-        of_metrics.chain([confidence::view()]).collect()
+        of_metrics.chain([Self::new(CONFIDENCE, CONFIDENCE_WORDS, false)]).collect()
     }
 
     fn of(metric: &dyn Metric, context: MetricContext<'_>, has_truth: bool) -> Option<Self> {

@@ -3,18 +3,7 @@
 use mimesh_core::spatial::EdgePaths;
 
 use super::{pair::LiveMarkers, result::Field};
-use crate::{meshes::Meshes, scalars::ScalarView};
-
-/// The name of the colour map; no metric has it.
-pub const NAME: &str = "pair_confidence";
-
-/// Name and unit.
-const WORDS: &str = "confidence, %";
-
-/// The colour map as pages see it.
-pub fn view() -> ScalarView {
-    ScalarView::new(NAME, WORDS, false)
-}
+use crate::{meshes::Meshes, scalars::CONFIDENCE_WORDS};
 
 /// The confidence of the pairs `live`; NaN on components without a pair, and where the nearest pair has no confidence.
 pub fn field(meshes: &Meshes, live: &LiveMarkers) -> Field {
@@ -30,7 +19,7 @@ pub fn field(meshes: &Meshes, live: &LiveMarkers) -> Field {
     let nearest = nearest(meshes.target_paths(), surface.vertex_count(), &points);
     let of_vertex = |v: u32| Some(live.confidences[nearest[v as usize]?]);
     let values = surface.vertex_of.iter().map(|v| v.and_then(of_vertex).map_or(f32::NAN, |share| 100.0 * share as f32));
-    Field { words: WORDS, values: values.collect(), high: 100.0 }
+    Field { words: CONFIDENCE_WORDS, values: values.collect(), high: 100.0 }
 }
 
 /// For each vertex the place in `points` of the nearest one; none where no path leads.

@@ -22,6 +22,7 @@ use crate::{
     error::{ApiError, Code, Result},
     events::{Event, LiveState, Message},
     project::Project,
+    scalars,
     studio::Studio,
 };
 
@@ -136,7 +137,7 @@ impl Page {
                 let ready = project.ready();
                 let truth = truth_at(&project, &look.pose);
                 let colours = look.scalar.as_deref().and_then(|name| match (name, ready.as_ref()) {
-                    (confidence::NAME, _) => Some(confidence::field(&project.meshes, &live)),
+                    (scalars::CONFIDENCE, _) => Some(confidence::field(&project.meshes, &live)),
                     (_, Some(ready)) => {
                         let truth = truth.as_deref();
                         Looked { ready, live: &live, map: None, source: &source, target: &target, truth }.field(name)
@@ -244,7 +245,7 @@ impl Page {
         let truth = truth_at(project, &look.pose);
         let looked = bound.looked(&source, &target, truth.as_deref());
         let colours = look.scalar.as_deref().and_then(|name| match name {
-            confidence::NAME => Some(confidence::field(&project.meshes, live)),
+            scalars::CONFIDENCE => Some(confidence::field(&project.meshes, live)),
             _ => looked.field(name),
         });
         let shown = Shown { project, channel: Channel::Result, look, live, began };
