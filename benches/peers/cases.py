@@ -46,6 +46,18 @@ def weights(runner, folder, size, counts):
             yield Case(f"{name}, {count} handles", f"{vertices:,} v", ours, [("libigl", theirs, agree)])
 
 
+def plates(runner, folder, size):
+    """Bounded weights of a camel in 20 plates, of which each has handles, against libigl."""
+    mesh = folder / f"plates-20-{size}"
+    # Plates have an inner side too.
+    fine = max(round(resolution("camel", size) * 0.7), 20)
+    made = make(runner, mesh, 64, proportions="camel", seed=1, made_of="plates", pieces=20, resolution=fine)
+    ours = {"task": "weights", "mesh": str(mesh), "weights": {"type": "bounded_biharmonic", "normalize": "none"}, "handles": 64}
+    agree = lambda a, b, job: checks.bounded(a, b, job, 64)
+    peer = ("libigl", {"function": "igl_bbw", "mesh": str(mesh), "handles": 64}, agree)
+    yield Case("bounded biharmonic weights of 20 plates, 64 handles", f"{made['vertices']:,} v", ours, [peer])
+
+
 def deform(runner, folder, size):
     """As rigid as possible, with 64 handles where a pose has them."""
     mesh, vertices = skin(runner, folder, "horse", size)
@@ -115,6 +127,7 @@ def all_cases(runner, folder, results, sizes, counts, only):
     """The cases in the order of the table: a work at a time, by size. Meshes are made in `folder` when they are needed."""
     works = {
         "weights": lambda size: weights(runner, folder, size, counts),
+        "plates": lambda size: plates(runner, folder, size),
         "deform": lambda size: deform(runner, folder, size),
         "distances": lambda size: distances(runner, folder, size),
         "closest": lambda size: closest(runner, folder, results, size),

@@ -30,7 +30,7 @@ def arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--sizes", type=int, nargs="+", default=[2_000, 13_000, 53_000], help="vertices of the meshes, about")
     parser.add_argument("--handles", type=int, nargs="+", default=[12, 64], help="handles of weights, at most 64")
-    parser.add_argument("--only", nargs="+", help="weights, deform, distances, closest, correspondence, files")
+    parser.add_argument("--only", nargs="+", help="weights, plates, deform, distances, closest, correspondence, files")
     parser.add_argument("--runs", type=int, default=5, help="runs of each job; one where it takes over two minutes")
     parser.add_argument("--threads", type=int, default=1)
     parser.add_argument("--markdown", type=Path, help="also write the table into this file")

@@ -90,11 +90,10 @@ impl KeyPoints {
 
         let file = key_points::to_complete(&prepared, &chosen.points, &previous);
         let text = format!("{HEADER}{}", mimesh_markers::formats::yaml::write(&file));
-        let mut staged = vec![staging::stage_bytes(&output, text.as_bytes())?];
-        if let Some(path) = &self.curve {
-            staged.push(staging::stage_bytes(path, key_points::curve(&chosen.steps).as_bytes())?);
-        }
-        let written = staging::commit(staged)?;
+        let curve = key_points::curve(&chosen.steps);
+        let mut files = vec![(&*output, text.as_bytes())];
+        files.extend(self.curve.as_deref().map(|path| (path, curve.as_bytes())));
+        let written = staging::write_all(&files)?;
         let open = file.pairs.iter().filter(|pair| pair.target.is_none()).count();
         if self.json {
             let steps: Vec<_> = chosen

@@ -56,7 +56,8 @@ use crate::cli::status::Status;
   mimesh show transfer gradient           settings of a stage
 
 Exit status: 0 done, 1 internal error, 2 usage, 3 a quality gate failed, 4 partly done, 65 bad data,
-66 input missing, 73 cannot write, 78 bad pipeline, 130 interrupted."
+66 input missing, 73 cannot write, 75 another process writes the same files, 78 bad pipeline,
+130 interrupted."
 )]
 struct Cli {
     #[command(subcommand)]

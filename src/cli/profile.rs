@@ -7,7 +7,7 @@ use mimesh_document::diagnostic::{Diagnostic, Kind, Location, Result};
 use mimesh_pipeline::{
     Prepared,
     profile::{Profile, Row},
-    staging,
+    staging::Transaction,
     text::{seconds, table, thousands},
 };
 use tracing::subscriber::set_global_default;
@@ -74,8 +74,9 @@ impl Profiler {
     pub fn finish(&self) -> Result<String> {
         let file = self.file.as_deref().unwrap_or(Path::new(NAME));
         let failed = |error| Error::write(file, error);
-        let staged = staging::stage(file, |out| self.profile.write_trace(out).map_err(failed))?;
-        staging::commit(vec![staged])?;
+        let transaction = Transaction::begin([file])?;
+        let staged = transaction.stage(file, |out| self.profile.write_trace(out).map_err(failed))?;
+        transaction.commit(vec![staged])?;
         Ok(text_of(&self.profile.rows(), file))
     }
 }

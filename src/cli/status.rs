@@ -26,6 +26,8 @@ pub enum Status {
     MissingInput = 66,
     /// A result cannot be written.
     CannotWrite = 73,
+    /// Another process is writing the same results; later the command will succeed.
+    Busy = 75,
     /// The pipeline file is wrong.
     BadPipeline = 78,
     /// The user stopped the command.
@@ -40,6 +42,7 @@ impl From<Kind> for Status {
             Kind::BadData => Self::BadData,
             Kind::MissingInput => Self::MissingInput,
             Kind::CannotWrite => Self::CannotWrite,
+            Kind::Busy => Self::Busy,
             Kind::BadPipeline => Self::BadPipeline,
         }
     }

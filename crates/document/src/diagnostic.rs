@@ -20,6 +20,8 @@ pub enum Kind {
     MissingInput,
     /// A result cannot be written.
     CannotWrite,
+    /// Another process is at work on the same files.
+    Busy,
     /// The pipeline file is wrong.
     BadPipeline,
 }

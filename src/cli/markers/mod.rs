@@ -137,11 +137,8 @@ impl Common {
             }
         }
         warnings.iter().for_each(|warning| terminal::warn(warning));
-        let mut staged = Vec::new();
-        for (path, text) in &files {
-            staged.push(staging::stage_bytes(path, text.as_bytes())?);
-        }
-        let written = staging::commit(staged)?;
+        let contents: Vec<_> = files.iter().map(|(path, text)| (&**path, text.as_bytes())).collect();
+        let written = staging::write_all(&contents)?;
         Ok(written.into_iter().map(|file| file.path).collect())
     }
 }

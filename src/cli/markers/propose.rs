@@ -160,14 +160,15 @@ impl Propose {
         let proposal = propose(stage.as_ref(), sides, &clicks, self.meshes.allow_commands(), Work::UNWATCHED)?;
         proposal.figures.warnings.iter().for_each(|warning| terminal::warn(warning));
         let file = as_file(&proposal, &meshes, clicks.len());
-        let mut staged = Vec::new();
+        let mut contents: Vec<(&Path, Vec<u8>)> = Vec::new();
         if let Some(output) = &self.output {
-            staged.push(staging::stage_bytes(output, yaml(&file, output, &meshes)?.as_bytes())?);
+            contents.push((output, yaml(&file, output, &meshes)?.into_bytes()));
         }
         if let Some(picture) = &picture {
-            staged.push(staging::stage_bytes(picture, &drawn(&proposal, &meshes, self.up))?);
+            contents.push((picture, drawn(&proposal, &meshes, self.up)));
         }
-        let written: Vec<PathBuf> = staging::commit(staged)?.into_iter().map(|file| file.path).collect();
+        let contents: Vec<_> = contents.iter().map(|(path, bytes)| (*path, &**bytes)).collect();
+        let written: Vec<PathBuf> = staging::write_all(&contents)?.into_iter().map(|file| file.path).collect();
         if self.json {
             terminal::print_json(&json!({
                 "pairs": proposal.pairs, "figures": proposal.figures, "clicks": clicks.len(), "written": written,

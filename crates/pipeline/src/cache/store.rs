@@ -1,9 +1,9 @@
 //! A folder of results under their keys.
 //!
-//! An entry is a file of its own, named by its key; the file begins with the BLAKE3 hash of the rest. It is written to a temporary
-//! file and renamed, so that any number of runs may share a folder. Each run finds an entry whole or not at all, and two that
-//! write the same entry write the same bytes. The hash shows entries that a failing disk or a hand has changed. They are removed,
-//! and computed again.
+//! An entry is a file of its own, named by its key; the file begins with the BLAKE3 hash of kind, key and contents. It is written to a
+//! temporary file and renamed, so that any number of runs, on any number of machines, may share a folder. Each run finds an entry whole
+//! or not at all, and two that write the same entry write the same bytes. The hash shows entries that a failing disk or a hand has
+//! changed, or copied from another key. They are removed, and computed again. What is no file, such as a link or a pipe, is no entry.
 
 use std::{
     io::{self, Write},
@@ -13,8 +13,11 @@ use std::{
 
 use mimesh_core::{Error, Result};
 
-/// The first bytes of an entry; another layout gets another one, and another folder.
-const MAGIC: &[u8] = b"mimesh cache 1\n";
+/// The first bytes of an entry.
+const MAGIC: &[u8] = b"mimesh cache 2\n";
+
+/// The first bytes of entries whose hash was of the contents alone; they are written anew.
+const OLD_MAGIC: &[u8] = b"mimesh cache 1\n";
 
 /// The folder below the cache's that holds entries of this layout.
 const LAYOUT: &str = "v1";
@@ -76,10 +79,16 @@ impl Store {
     /// The entry of this kind under `key`.
     pub fn get(&self, kind: &str, key: Key) -> Lookup {
         let path = self.path(kind, key);
+        if !is_entry(&path) {
+            return Lookup::Miss;
+        }
         let Ok(mut bytes) = std::fs::read(&path) else { return Lookup::Miss };
+        if bytes.starts_with(OLD_MAGIC) {
+            return Lookup::Miss;
+        }
         let start = MAGIC.len() + blake3::OUT_LEN;
         let whole = bytes.strip_prefix(MAGIC).and_then(|rest| rest.split_at_checked(blake3::OUT_LEN));
-        if whole.is_some_and(|(hash, contents)| blake3::hash(contents).as_bytes() == hash) {
+        if whole.is_some_and(|(hash, contents)| hash_of(kind, key, contents).as_bytes() == hash) {
             // What is used stays longest; where the time cannot be set, it goes sooner.
             let _ = std::fs::File::options().append(true).open(&path).and_then(|f| f.set_modified(SystemTime::now()));
             bytes.drain(..start);
@@ -91,7 +100,7 @@ impl Store {
 
     /// Whether there is an entry; its contents are not checked.
     pub fn contains(&self, kind: &str, key: Key) -> bool {
-        self.path(kind, key).is_file()
+        is_entry(&self.path(kind, key))
     }
 
     /// Stores `contents`.
@@ -106,7 +115,7 @@ impl Store {
             std::fs::create_dir_all(folder)?;
             let mut temporary = tempfile::Builder::new().prefix(TEMPORARY).tempfile_in(folder)?;
             temporary.write_all(MAGIC)?;
-            temporary.write_all(blake3::hash(contents).as_bytes())?;
+            temporary.write_all(hash_of(kind, key, contents).as_bytes())?;
             temporary.write_all(contents)?;
             temporary.persist(&path).map(drop).map_err(|error| error.error)
         };
@@ -204,6 +213,20 @@ impl Store {
     }
 }
 
+/// Whether `path` is a file itself, which ends when it is read.
+fn is_entry(path: &Path) -> bool {
+    path.symlink_metadata().is_ok_and(|found| found.is_file())
+}
+
+/// The hash at the beginning of an entry.
+fn hash_of(kind: &str, key: Key, contents: &[u8]) -> blake3::Hash {
+    let mut hasher = blake3::Hasher::new();
+    // Lengths keep kind and contents apart.
+    hasher.update(&(kind.len() as u64).to_le_bytes()).update(kind.as_bytes());
+    hasher.update(key.0.as_bytes()).update(contents);
+    hasher.finalize()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -233,6 +256,40 @@ mod tests {
                 assert!(!path.exists(), "a damaged entry is removed");
             }
         }
+    }
+
+    #[test]
+    fn an_entry_that_was_copied_from_another_key_or_kind_is_none() {
+        let folder = tempfile::tempdir().unwrap();
+        let store = Store::new(folder.path(), 1 << 20);
+        store.put("pose", key("a"), b"of a").unwrap();
+        for (kind, name) in [("pose", "b"), ("map", "a")] {
+            store.put(kind, key(name), b"its own").unwrap();
+            std::fs::copy(store.path("pose", key("a")), store.path(kind, key(name))).unwrap();
+            assert_eq!(store.get(kind, key(name)), Lookup::Corrupt, "{kind} {name}");
+            assert_eq!(store.get(kind, key(name)), Lookup::Miss);
+        }
+        assert_eq!(store.get("pose", key("a")), Lookup::Hit(b"of a".into()));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn what_is_no_file_is_no_entry_and_is_replaced_where_that_can_be() {
+        let folder = tempfile::tempdir().unwrap();
+        let store = Store::new(folder.path(), 1 << 20);
+        store.put("pose", key("a"), b"a").unwrap();
+        let path = store.path("pose", key("a"));
+        std::fs::remove_file(&path).unwrap();
+        // Read to its end, this would never come back.
+        std::os::unix::fs::symlink("/dev/zero", &path).unwrap();
+        assert_eq!(store.get("pose", key("a")), Lookup::Miss);
+        assert!(!store.contains("pose", key("a")));
+        store.put("pose", key("a"), b"a").unwrap();
+        assert_eq!(store.get("pose", key("a")), Lookup::Hit(b"a".into()));
+        std::fs::remove_file(&path).unwrap();
+        std::fs::create_dir(&path).unwrap();
+        assert_eq!(store.get("pose", key("a")), Lookup::Miss);
+        assert!(store.put("pose", key("a"), b"a").is_err());
     }
 
     #[test]

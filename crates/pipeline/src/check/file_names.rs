@@ -12,8 +12,10 @@ use super::findings::{Findings, Scope};
 use crate::{
     input::PoseInput,
     placeholder::{POSE, is_reserved},
-    staging::MAX_WRITTEN_NAME,
 };
+
+/// What the file systems in use take for a name, in bytes.
+pub(super) const MAX_NAME: usize = 255;
 
 /// Names in a message about many.
 const MAX_LISTED: usize = 5;
@@ -38,9 +40,9 @@ pub(super) fn check_file_names(
     let before = found.diagnostics.len();
     let names: Vec<String> =
         files.iter().map(|file| file.file_name().unwrap_or_default().to_string_lossy().into_owned()).collect();
-    if let Some((long, pose)) = names.iter().zip(poses).find(|(name, _)| name.len() > MAX_WRITTEN_NAME) {
+    if let Some((long, pose)) = names.iter().zip(poses).find(|(name, _)| name.len() > MAX_NAME) {
         let message = too_long(long);
-        let hint = match pose.name.len() > MAX_WRITTEN_NAME / 2 {
+        let hint = match pose.name.len() > MAX_NAME / 2 {
             true => "give the pose a shorter name where it comes from, or write all poses into one file",
             false => "write a shorter pattern, e.g. `out/{pose}.obj`",
         };
@@ -72,9 +74,7 @@ pub(super) fn check_file_names(
 pub(super) fn too_long(long: &str) -> String {
     let start: String = long.chars().take(40).collect();
     let bytes = long.len();
-    format!(
-        "the name `{start}…` has {bytes} bytes: file systems take 255, of which the writer needs 17, so {MAX_WRITTEN_NAME} at most"
-    )
+    format!("the name `{start}…` has {bytes} bytes; file systems take {MAX_NAME}")
 }
 
 /// Reports files, by number, whose `names` are equal or are taken for one by some system.

@@ -1,6 +1,7 @@
 //! Everything that can be found wrong with a pipeline before computing, all at once; what remains is ready to run.
 
 mod common;
+mod earlier;
 mod file_names;
 mod findings;
 mod ground_truth;

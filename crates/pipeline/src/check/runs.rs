@@ -14,6 +14,7 @@ use tracing::info_span;
 
 use super::{
     common::{Options, check_formats, check_registry, pipeline_files, refused_without_reason},
+    earlier::{foreign_report, warn_of_interrupted},
     findings::{Findings, Scope},
     ground_truth::ground_truth,
     markers::{clicks, markers},
@@ -94,8 +95,10 @@ fn prepare_runs(
     if collected.is_empty() {
         name_reports(&mut prepared);
         collected.add_whole(conflict(&prepared));
+        collected.add_whole(prepared.iter().filter_map(foreign_report));
     }
     collected.finish(file)?;
+    prepared.iter_mut().for_each(warn_of_interrupted);
     // Warnings of the file as a whole are those of its first run.
     if let Some(first) = prepared.first_mut() {
         first.warnings.splice(0..0, warnings);

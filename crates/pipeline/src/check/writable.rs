@@ -10,12 +10,12 @@ use mimesh_document::{At, Diagnostic, Kind, Location, Step, paths::identity};
 use mimesh_markers::OTHER_OUTPUT_FOLDER;
 
 use super::{
-    file_names::too_long,
+    file_names::{MAX_NAME, too_long},
     findings::{Findings, Scope},
 };
 use crate::{
     input::{InputFile, Prepared},
-    staging::MAX_WRITTEN_NAME,
+    staging::not_a_file,
 };
 
 /// The folder for results that was given beside the file.
@@ -59,7 +59,13 @@ impl<'a> WritableFiles<'a> {
         let shown = file.display();
         let of_file = |message: String| scope.document.diagnostic(at, At::Value, message);
         let name = file.file_name().unwrap_or_default().to_string_lossy();
-        if name.len() > MAX_WRITTEN_NAME {
+        let folder = existing_folder(file);
+        // Some file systems take less.
+        let is_refused = |name: &std::ffi::OsStr| match folder.join(name).symlink_metadata() {
+            Err(error) => error.kind() == ErrorKind::InvalidFilename,
+            Ok(_) => false,
+        };
+        if name.len() > MAX_NAME || file.file_name().is_some_and(is_refused) {
             return Some(of_file(too_long(&name)).hint("give the file a shorter name"));
         }
         let identity = identity(file);
@@ -67,10 +73,9 @@ impl<'a> WritableFiles<'a> {
             let diagnostic = of_file(format!("{shown} would overwrite an input ({role})"));
             return Some(self.elsewhere(diagnostic, at));
         }
-        if file.is_dir() {
-            return Some(self.blocked(scope, format!("cannot write {shown}: there is a folder of that name"), at));
+        if let Some(kind) = not_a_file(file) {
+            return Some(self.blocked(scope, format!("cannot write {shown}: there is {kind} of that name"), at));
         }
-        let folder = existing_folder(file);
         if !folder.is_dir() {
             let message = format!("cannot write {shown}: {} is not a folder", folder.display());
             return Some(self.blocked(scope, message, at));

@@ -21,7 +21,7 @@ use crate::{
     progress::Progress,
     report::{Clock, InputReport, MeshFigures, PoseReport, ProposedMarker, Report, RunOf, usage},
     rest_choice::warning_of_rest,
-    staging::{self, Staged},
+    staging::{Staged, Transaction},
 };
 
 /// A run that gave results.
@@ -61,7 +61,7 @@ fn execute(prepared: &Prepared, plan: &Plan, cache: Option<&Cache>, progress: &d
         return Err(Diagnostic::new(Kind::Internal, "a pipeline without a transfer was taken for checked").into());
     };
     let since_start = Clock::start();
-    staging::remove_abandoned(&prepared.outputs.files());
+    let transaction = Transaction::begin(prepared.outputs.files())?;
     let cached = cache.zip(plan.cached.as_ref());
     let stages = Stages::new(prepared, transfer.as_ref(), cached, progress);
     stages.propose()?;
@@ -86,7 +86,7 @@ fn execute(prepared: &Prepared, plan: &Plan, cache: Option<&Cache>, progress: &d
     if let Some(path) = &prepared.outputs.correspondence
         && let Some(map) = stages.map()?
     {
-        staged.push(written::correspondence(path, map)?);
+        staged.push(written::correspondence(&transaction, path, map)?);
     }
     progress.poses(prepared.poses.len());
     let metrics = match measured {
@@ -98,7 +98,8 @@ fn execute(prepared: &Prepared, plan: &Plan, cache: Option<&Cache>, progress: &d
     let measurer =
         Measurer { prepared, metrics: &metrics, measured: measured.as_deref(), thumbnails: thumbnails.as_ref() };
     let shapes = Shapes::new(prepared, &stages);
-    let runner = PoseRunner { prepared, stages: &stages, measurer: &measurer, shapes: &shapes };
+    let runner =
+        PoseRunner { prepared, transaction: &transaction, stages: &stages, measurer: &measurer, shapes: &shapes };
     let clock = Clock::start();
     let Stream { poses, failed, files, mut warnings } =
         info_span!("poses").in_scope(|| Stream::run(&runner, progress))?;
@@ -122,12 +123,12 @@ fn execute(prepared: &Prepared, plan: &Plan, cache: Option<&Cache>, progress: &d
     deduplicate(&mut report.warnings);
     if let Some(thumbnails) = thumbnails {
         report.target_view = Some(thumbnails.target_view());
-        let visual = written::visual_outputs(prepared, &report, thumbnails)?;
+        let visual = written::visual_outputs(&transaction, prepared, &report, thumbnails)?;
         report.outputs.extend(visual.iter().map(Staged::written));
         staged.extend(visual);
     }
-    staged.push(written::report(&prepared.outputs.report, &report)?);
-    staging::commit(staged)?;
+    staged.push(written::report(&transaction, &prepared.outputs.report, &report)?);
+    transaction.commit(staged)?;
     Ok(Finished { report, failed })
 }
 

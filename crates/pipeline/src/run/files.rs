@@ -12,7 +12,7 @@ use nalgebra::Point3;
 
 use crate::{
     input::{Output, OutputChange, PoseInput, Prepared},
-    staging::{self, Staged},
+    staging::{Staged, Transaction},
 };
 
 /// A file in the making that takes all poses.
@@ -30,7 +30,7 @@ impl<'a> PosesFile<'a> {
     /// # Errors
     ///
     /// If one cannot be begun.
-    pub fn all(prepared: &'a Prepared) -> diagnostic::Result<Vec<Self>> {
+    pub fn all(prepared: &'a Prepared, transaction: &Transaction) -> diagnostic::Result<Vec<Self>> {
         let mut files = Vec::new();
         for output in &prepared.outputs.meshes {
             let Output::Sequence(path) = output else { continue };
@@ -38,7 +38,7 @@ impl<'a> PosesFile<'a> {
                 && let Some(MeshWriter::Sequence(sequence)) = format.writer()
             {
                 let (rest, change) = (prepared.written_rest(format), prepared.output_change(format));
-                let (staged, file) = Staged::create(path).map_err(cannot_write)?;
+                let (staged, file) = transaction.create(path).map_err(cannot_write)?;
                 let started = sequence.start(rest, prepared.poses.len(), Box::new(file));
                 let mut writer = started.map_err(|error| write_error(path, error).into_diagnostic())?;
                 writer.set_poses_are(prepared.poses_are);
@@ -80,7 +80,12 @@ impl<'a> PosesFile<'a> {
 /// # Errors
 ///
 /// If one cannot be written.
-pub(super) fn pose_files(prepared: &Prepared, i: usize, positions: &[Point3<f64>]) -> Result<Vec<Staged>, Diagnostic> {
+pub(super) fn pose_files(
+    prepared: &Prepared,
+    transaction: &Transaction,
+    i: usize,
+    positions: &[Point3<f64>],
+) -> Result<Vec<Staged>, Diagnostic> {
     let mut files = Vec::new();
     for output in &prepared.outputs.meshes {
         let Output::Poses(paths) = output else { continue };
@@ -93,7 +98,7 @@ pub(super) fn pose_files(prepared: &Prepared, i: usize, positions: &[Point3<f64>
             let write = |out: &mut dyn std::io::Write| {
                 writer.write_in(folder_of(path), rest, &positions, out).map_err(|error| write_error(path, error))
             };
-            files.push(staging::stage(path, write).map_err(cannot_write)?);
+            files.push(transaction.stage(path, write).map_err(cannot_write)?);
         }
     }
     Ok(files)

@@ -104,7 +104,7 @@ impl Steps for PoseSteps<'_> {
         let span = debug_span!(parent: &self.span, "measure", pose = &*report.name);
         span.in_scope(|| self.runner.measurer.measure(i, this, before, self.runner.stages.pose_cache(), &mut report));
         let files = debug_span!(parent: &self.span, "write", pose = &*report.name)
-            .in_scope(|| pose_files(prepared, i, &this.target.positions))?;
+            .in_scope(|| pose_files(prepared, self.runner.transaction, i, &this.target.positions))?;
         Ok(PoseOutput { report, files })
     }
 }

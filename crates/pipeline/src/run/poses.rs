@@ -21,12 +21,15 @@ use super::{
 use crate::{
     cache::PosedTarget,
     input::{PoseFrom, PoseInput, Prepared, read_pose},
+    staging::Transaction,
 };
 
 /// Sends the poses of a run through its stages.
 pub(super) struct PoseRunner<'a> {
     /// The pipeline.
     pub prepared: &'a Prepared,
+    /// The files that the run writes.
+    pub transaction: &'a Transaction,
     /// The stages that run once.
     pub stages: &'a Stages<'a>,
     /// The measurements and the pictures.

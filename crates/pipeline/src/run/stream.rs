@@ -38,7 +38,7 @@ impl Stream {
     /// If a result cannot be written, or the transfer cannot be bound; poses that fail on their own are in the result.
     pub fn run(runner: &PoseRunner<'_>, progress: &dyn Progress) -> diagnostic::Result<Self> {
         let mut stream = Self::default();
-        let mut sequences = PosesFile::all(runner.prepared)?;
+        let mut sequences = PosesFile::all(runner.prepared, runner.transaction)?;
         let poses = &runner.prepared.poses;
         let (at_once, in_order) = batches(runner.stages)?;
         let schedule = Schedule { count: poses.len(), batch: at_once, in_order };

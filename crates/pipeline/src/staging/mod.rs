@@ -1,0 +1,28 @@
+//! Results that appear together: every file of a run is in its place, or all that was there before still is.
+//!
+//! A [`Transaction`] writes files beside their places under names of its own, and [`commit`](Transaction::commit) moves them. A journal
+//! in the folder of the last place lists the places before anything is written, and what is to be moved before anything is moved. It is
+//! locked as long as its writer lives. So whoever next begins a transaction with one of these places finds the journal of one that was
+//! killed, and finishes or undoes it ([`recovery`]). [`interrupted`] looks without doing anything.
+//!
+//! Names of temporary files begin with `.mimesh-` and an identity that was drawn at random. Processes of several machines or containers
+//! may write into one folder. On a file system without locks a transaction that was killed is taken for one that lives.
+
+mod disk;
+mod journal;
+mod moves;
+mod names;
+mod place;
+mod recovery;
+mod registry;
+mod staged;
+mod transaction;
+
+#[cfg(test)]
+mod tests;
+
+pub use place::not_a_file;
+pub use recovery::{Interrupted, interrupted};
+pub use registry::discard_all_and_exit;
+pub use staged::{Staged, WrittenFile};
+pub use transaction::{Transaction, write, write_all};

@@ -1,0 +1,58 @@
+//! The temporary files that exist, so that an interrupt leaves none.
+
+use std::{
+    collections::BTreeSet,
+    fs,
+    path::{Path, PathBuf},
+    sync::{Mutex, MutexGuard, PoisonError},
+};
+
+/// What an interrupt removes.
+#[derive(Debug, Default)]
+pub(super) struct Temporary {
+    files: BTreeSet<PathBuf>,
+    /// Folders that were made for them, removed if they are empty.
+    folders: BTreeSet<PathBuf>,
+}
+
+static TEMPORARY: Mutex<Temporary> = Mutex::new(Temporary { files: BTreeSet::new(), folders: BTreeSet::new() });
+
+/// The temporary files. While this is held, an interrupt waits.
+pub(super) fn locked() -> MutexGuard<'static, Temporary> {
+    TEMPORARY.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Temporary {
+    /// Notes a file that is about to be made: an interrupt between the two must leave nothing.
+    pub fn add(&mut self, file: &Path) {
+        self.files.insert(file.into());
+    }
+
+    /// Notes a folder that is about to be made.
+    pub fn add_folder(&mut self, folder: &Path) {
+        self.folders.insert(folder.into());
+    }
+
+    /// Forgets a file that is in its place, or was removed.
+    pub fn forget(&mut self, file: &Path) -> bool {
+        self.files.remove(file)
+    }
+
+    /// Forgets a folder, which stays.
+    pub fn forget_folder(&mut self, folder: &Path) -> bool {
+        self.folders.remove(folder)
+    }
+}
+
+/// Removes every temporary file, and lets none be moved or made until the process ends with `status`.
+pub fn discard_all_and_exit(status: u8) -> ! {
+    let temporary = locked();
+    for file in &temporary.files {
+        let _ = fs::remove_file(file);
+    }
+    // A folder comes before those in it.
+    for folder in temporary.folders.iter().rev() {
+        let _ = fs::remove_dir(folder);
+    }
+    std::process::exit(status.into())
+}
