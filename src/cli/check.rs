@@ -84,7 +84,7 @@ impl Check {
 }
 
 /// The warnings of all runs, without repetitions.
-fn warnings(all: &[Prepared]) -> Vec<&String> {
+pub(super) fn warnings(all: &[Prepared]) -> Vec<&String> {
     let mut seen = HashSet::new();
     all.iter().flat_map(|run| &run.warnings).filter(|warning| seen.insert(*warning)).collect()
 }

@@ -7,7 +7,7 @@ use mimesh_document::{
     Diagnostic, Location, Remedy,
     diagnostic::{SET_VALUE, SHOW_SETTINGS},
 };
-use mimesh_markers::{OTHER_OUTPUT_FOLDER, OTHER_ROOT, remedies};
+use mimesh_markers::{MORE_MEMORY, OTHER_OUTPUT_FOLDER, OTHER_ROOT, remedies};
 use mimesh_pipeline::{
     ALLOW_COMMANDS, GIVE_MARKERS,
     cache::{OTHER_CACHE_FOLDER, WITHOUT_CACHE},
@@ -58,6 +58,7 @@ fn flag(remedy: &Remedy) -> Option<String> {
         SET_VALUE => format!("`--set {}`", quoted(argument)),
         SHOW_SETTINGS => format!("`mimesh show {argument}`"),
         LIST_TYPES => "`mimesh list`".into(),
+        MORE_MEMORY => "`--memory SIZE`".into(),
         OTHER_OUTPUT_FOLDER => "`--out DIR`".into(),
         OTHER_ROOT => "`--root DIR`".into(),
         WITHOUT_CACHE => "`--no-cache`".into(),

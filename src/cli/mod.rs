@@ -12,6 +12,7 @@ mod inspect;
 mod keypoints;
 mod list;
 mod markers;
+mod memory;
 mod mesh_pair;
 mod new;
 mod out_file;
@@ -56,10 +57,13 @@ use crate::cli::status::Status;
   mimesh show transfer gradient           settings of a stage
 
 Exit status: 0 done, 1 internal error, 2 usage, 3 a quality gate failed, 4 partly done, 65 bad data,
-66 input missing, 73 cannot write, 75 another process writes the same files, 78 bad pipeline,
+66 input missing, 71 not enough memory, 73 cannot write, 75 another process writes the same files, 78 bad pipeline,
 130 interrupted."
 )]
 struct Cli {
+    /// The most memory to take, e.g. 8G: work that needs more is refused with a number [default: what the machine has]
+    #[arg(long, global = true, value_name = "SIZE", env = memory::VARIABLE, hide_env_values = true, value_parser = memory::size)]
+    memory: Option<u64>,
     #[command(subcommand)]
     command: Command,
 }
@@ -100,6 +104,7 @@ pub fn main() -> ExitCode {
             return if error.use_stderr() { Status::Usage } else { Status::Done }.into();
         }
     };
+    memory::set(cli.memory);
     let result = match cli.command {
         Command::Transfer(command) => command.run(),
         #[cfg(feature = "studio")]

@@ -12,7 +12,7 @@ use {
     },
 };
 
-use crate::cli::{CommandResult, cache::CacheOptions, run::Overrides, status::Status, terminal};
+use crate::cli::{CommandResult, cache::CacheOptions, check::warnings, run::Overrides, status::Status, terminal};
 
 /// Shows what a run would do: which stages run, which results come from the cache, and why.
 ///
@@ -42,6 +42,9 @@ impl PlanCommand {
         let cache = self.cache.open()?;
         let all = pipeline::prepare_all(&self.pipeline, &self.overrides.options(), cache.as_ref())?;
         let plans: Vec<_> = all.iter().map(|prepared| Plan::new(prepared, cache.as_ref())).collect();
+        if !self.json {
+            warnings(&all).iter().for_each(|warning| terminal::warn(warning));
+        }
         match (&plans[..], self.json) {
             ([plan], true) => terminal::print_json(plan),
             ([plan], false) => terminal::print(&text(plan)),

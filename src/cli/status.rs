@@ -24,6 +24,8 @@ pub enum Status {
     BadData = 65,
     /// An input file does not exist.
     MissingInput = 66,
+    /// There is not enough memory for the work.
+    Memory = 71,
     /// A result cannot be written.
     CannotWrite = 73,
     /// Another process is writing the same results; later the command will succeed.
@@ -43,6 +45,7 @@ impl From<Kind> for Status {
             Kind::MissingInput => Self::MissingInput,
             Kind::CannotWrite => Self::CannotWrite,
             Kind::Busy => Self::Busy,
+            Kind::Memory => Self::Memory,
             Kind::BadPipeline => Self::BadPipeline,
         }
     }

@@ -3,6 +3,8 @@ use std::{
     path::{Path, PathBuf},
 };
 
+use crate::memory::in_words;
+
 /// A result with [`Error`].
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
@@ -95,6 +97,21 @@ pub enum Error {
         /// Residual asked for.
         tolerance: f64,
     },
+    /// Work that would take more memory than the process may have.
+    #[error(
+        "{what} would take {} of memory beside the {} in use, and {} are allowed",
+        in_words(*needed), in_words(*used), in_words(*limit)
+    )]
+    Memory {
+        /// The work or the data, in words.
+        what: String,
+        /// What it takes, in bytes.
+        needed: u64,
+        /// What the process has now, in bytes.
+        used: u64,
+        /// What the process may have, in bytes.
+        limit: u64,
+    },
     /// Anything else a plug-in raises itself.
     #[error(transparent)]
     Other(#[from] Box<dyn std::error::Error + Send + Sync>),
@@ -141,6 +158,7 @@ impl Error {
             Self::Data { hint, .. } | Self::File { hint, .. } | Self::Singular { hint, .. } if !hint.is_empty() => {
                 Some(hint)
             }
+            Self::Memory { .. } => Some("take meshes of fewer vertices, or fewer threads"),
             Self::OutOfReach { .. } => Some("put the file beside the one that refers to it"),
             _ => None,
         }

@@ -6,6 +6,7 @@
 //! - [`operators`]: Laplacian, mass, gradient, deformation gradients, polar decomposition;
 //! - [`linalg`]: sparse symmetric systems, factored once and solved often;
 //! - [`spatial`]: closest points and nearest neighbours, similarity transforms;
+//! - [`memory`]: what the process may take of it;
 //! - [`random`]: seeded random numbers, the same everywhere;
 //! - [`stage`]: one trait a stage of a pipeline, with the data that passes between stages;
 //! - [`plugin`]: the registry of implementations linked into the program.
@@ -20,6 +21,7 @@
 mod error;
 pub mod figures;
 pub mod linalg;
+pub mod memory;
 pub mod mesh;
 pub mod operators;
 pub mod plugin;

@@ -22,6 +22,8 @@ pub enum Kind {
     CannotWrite,
     /// Another process is at work on the same files.
     Busy,
+    /// There is not enough memory.
+    Memory,
     /// The pipeline file is wrong.
     BadPipeline,
 }

@@ -13,6 +13,9 @@ pub const OTHER_OUTPUT_FOLDER: &str = "other_output_folder";
 /// Remedy: let meshes refer to files in another folder.
 pub const OTHER_ROOT: &str = "other_root";
 
+/// Remedy: let the process have more memory.
+pub const MORE_MEMORY: &str = "more_memory";
+
 /// Errors that can be shown as a [`Diagnostic`].
 pub trait IntoDiagnostic {
     /// The error as a diagnostic at the file and line that it names.
@@ -42,6 +45,7 @@ impl IntoDiagnostic for Error {
                 diagnostic.remedy(OTHER_OUTPUT_FOLDER, "", "write elsewhere")
             }
             Error::Io { path, action, source } => files::unreadable(&path, action, &source),
+            Error::Memory { .. } => diagnostic.remedy(MORE_MEMORY, "", "allow more"),
             _ => diagnostic,
         }
     }
@@ -55,6 +59,7 @@ fn kind_of(error: &Error) -> Kind {
             Kind::MissingInput
         }
         Error::Setting { .. } => Kind::BadPipeline,
+        Error::Memory { .. } => Kind::Memory,
         Error::Other(_) => Kind::Internal,
         _ => Kind::BadData,
     }

@@ -40,7 +40,7 @@ pub mod stale;
 mod text;
 pub mod unit_axes;
 
-pub use diagnose::{IntoDiagnostic, OTHER_OUTPUT_FOLDER, OTHER_ROOT};
+pub use diagnose::{IntoDiagnostic, MORE_MEMORY, OTHER_OUTPUT_FOLDER, OTHER_ROOT};
 pub use export::{Exported, export};
 pub use landmarks::from_landmarks;
 pub use marker_files::MarkerFiles;

@@ -8,7 +8,7 @@ use std::{
 };
 
 use mimesh_core::{
-    Error, Result,
+    Error, Result, memory,
     stage::{BytesInput, FileInput, ReadAt},
 };
 
@@ -46,6 +46,9 @@ fn existing(folder: &Path) -> &Path {
     if folder.as_os_str().is_empty() { Path::new(".") } else { folder }
 }
 
+/// What a byte of a file takes with the mesh that is read from it, in bytes.
+const BYTES_OF_A_BYTE: u64 = 3;
+
 /// A mesh file on the disk.
 #[derive(Debug)]
 pub(crate) struct FileOnDisk<'a> {
@@ -68,7 +71,10 @@ impl FileInput for FileOnDisk<'_> {
     }
 
     fn contents(&self) -> Result<Cow<'_, [u8]>> {
-        Ok(fs::read(&self.path).map_err(|error| Error::read(&self.path, error))?.into())
+        let failed = |error| Error::read(&self.path, error);
+        let length = fs::metadata(&self.path).map_err(failed)?.len();
+        memory::need("the file with its mesh", length.saturating_mul(BYTES_OF_A_BYTE))?;
+        Ok(fs::read(&self.path).map_err(failed)?.into())
     }
 
     fn open(&self) -> Result<Box<dyn ReadAt>> {

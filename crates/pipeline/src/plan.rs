@@ -20,6 +20,9 @@ pub struct Plan {
     /// What was chosen where the pipeline leaves it open.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub choices: Vec<Choice>,
+    /// What is worth knowing before the run.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<String>,
     /// What the cache holds of the run; `None` for a run without a cache.
     #[serde(skip)]
     pub cached: Option<CachedRun>,
@@ -113,7 +116,7 @@ impl Plan {
         let mut steps: Vec<_> =
             stages(prepared).into_iter().map(|(stage, name)| step(stage, name, Action::Run, reason)).collect();
         steps.push(PlannedStep { runs: all, of: all, ..step("poses", "", Action::Run, reason) });
-        Self { steps, choices: prepared.choices.clone(), cached: None }
+        Self { steps, choices: prepared.choices.clone(), warnings: prepared.warnings.clone(), cached: None }
     }
 
     fn with_cache(prepared: &Prepared, cache: &Cache) -> Self {
@@ -124,7 +127,7 @@ impl Plan {
             .map(|(stage, name)| planned(stage, name, prepared, cache, &cached, &last_run))
             .collect();
         steps.push(planned_poses(prepared.poses.len(), &cached));
-        Self { steps, choices: prepared.choices.clone(), cached: Some(cached) }
+        Self { steps, choices: prepared.choices.clone(), warnings: prepared.warnings.clone(), cached: Some(cached) }
     }
 }
 

@@ -264,6 +264,11 @@ impl BoundTransfer for Bound {
         self.transfer_all(&[posed]).pop().expect("one pose has one result")
     }
 
+    fn bytes(&self, poses: usize) -> u64 {
+        let of_parts: u64 = self.parts.iter().map(|part| part.bytes(poses)).sum();
+        of_parts + self.poisson.as_ref().map_or(0, |poisson| poisson.bytes(poses))
+    }
+
     fn at_once(&self) -> usize {
         let of_parts = self.parts.iter().map(|part| part.at_once());
         of_parts.chain(self.poisson.as_ref().map(Poisson::at_once)).max().unwrap_or(1)

@@ -154,6 +154,10 @@ impl BoundTransfer for Bound {
         run(self.links.iter(), posed, |link, posed| link.transfer(posed))
     }
 
+    fn bytes(&self, poses: usize) -> u64 {
+        self.links.iter().map(|link| link.bytes(poses)).sum()
+    }
+
     fn at_once(&self) -> usize {
         self.links.iter().map(|link| link.at_once()).max().unwrap_or(1)
     }

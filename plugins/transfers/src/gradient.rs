@@ -179,6 +179,10 @@ impl BoundTransfer for Bound {
         self.poisson.at_once()
     }
 
+    fn bytes(&self, poses: usize) -> u64 {
+        self.poisson.bytes(poses)
+    }
+
     fn transfer_all(&self, poses: &[&[Point3<f64>]]) -> Vec<Result<Transferred>> {
         let fields: Vec<Result<Vec<Matrix3<f64>>>> = poses.iter().map(|posed| self.field(posed)).collect();
         let sound: Vec<&[Matrix3<f64>]> = fields.iter().flatten().map(Vec::as_slice).collect();

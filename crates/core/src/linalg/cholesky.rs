@@ -17,7 +17,10 @@ use super::{
     residual::subtract_product,
     symbolic::{analyse, analyse_in_given_order, singular, view},
 };
-use crate::{Error, Result};
+use crate::{
+    Error, Result,
+    memory::{bytes_of, need},
+};
 
 /// A sparse Cholesky factorisation A = L Lᵀ, ordered by approximate minimum degree.
 ///
@@ -102,6 +105,7 @@ impl Cholesky {
     /// The errors of [`new`](Self::new).
     pub fn in_given_order(lower: CscMatrix<f64>, what: &'static str) -> Result<Self> {
         let symbolic = analyse_in_given_order(&lower, what)?;
+        need(what, bytes_of::<f64>(symbolic.len_val()))?;
         let factor = vec![0.0; symbolic.len_val()];
         let mut result = Self { symbolic: Arc::new(symbolic), factor, matrix: lower, reordered: None, what };
         result.factor_numerically()?;
@@ -110,6 +114,7 @@ impl Cholesky {
 
     fn with_threshold(lower: CscMatrix<f64>, what: &'static str, threshold: SupernodalThreshold) -> Result<Self> {
         let symbolic = analyse(&lower, threshold, what)?;
+        need(what, bytes_of::<f64>(symbolic.len_val()))?;
         let factor = vec![0.0; symbolic.len_val()];
         let reordered = match (symbolic.raw(), symbolic.perm()) {
             (SymbolicCholeskyRaw::Supernodal(_), Some(order)) => Some(Reordered::new(&lower, order.arrays().1)),
@@ -136,6 +141,7 @@ impl Cholesky {
     ///
     /// [`Error::Singular`] if that matrix is not positive definite.
     pub fn with_values(&self, values: &[f64]) -> Result<Self> {
+        need(self.what, bytes_of::<f64>(self.factor.len()))?;
         let mut matrix = self.matrix.clone();
         matrix.values_mut().copy_from_slice(values);
         let factor = vec![0.0; self.factor.len()];

@@ -126,6 +126,12 @@ pub trait BoundTransfer: Debug + Send + Sync {
         1
     }
 
+    /// The memory in bytes that so many poses take at once while they are transferred, beside the source's and the target's vertices;
+    /// 0, the default, where that is little.
+    fn bytes(&self, _poses: usize) -> u64 {
+        0
+    }
+
     /// [`transfer`](Self::transfer) for each of `poses`, for transfers that do several in less time. No result depends on the other
     /// poses, not in its last bit.
     fn transfer_all(&self, poses: &[&[Point3<f64>]]) -> Vec<Result<Transferred>> {

@@ -39,6 +39,16 @@ pub(super) trait Steps: Sync {
 }
 
 impl Schedule {
+    /// The most poses under way, and the most that are posed side by side.
+    pub fn at_once(self) -> [usize; 2] {
+        let posed = if self.in_order { self.batch } else { self.batch * rayon::current_num_threads() };
+        [self.window(self.batch), posed].map(|count| count.min(self.count))
+    }
+
+    fn window(self, batch: usize) -> usize {
+        batch * if self.in_order { 2 } else { 2 * rayon::current_num_threads() }
+    }
+
     /// Sends all poses through `steps` on the threads of the current pool, and hands each to `collect` in order. The number of poses
     /// under way does not grow with their count.
     pub fn run<S: Steps>(
@@ -49,7 +59,7 @@ impl Schedule {
         // Of even size, so that no thread is left with a much smaller one.
         let batches = self.count.div_ceil(self.batch.max(1)).max(1);
         let batch = self.count.div_ceil(batches).max(1);
-        let window = batch * if self.in_order { 2 } else { 2 * rayon::current_num_threads() };
+        let window = self.window(batch);
         let run = Run {
             schedule: Self { batch, ..self },
             window,

@@ -155,6 +155,11 @@ impl<'a> Stages<'a> {
         Ok(Some(self.map.get_or_init(|| map)))
     }
 
+    /// The bound transfer, if it was bound.
+    pub fn bound_so_far(&self) -> Option<&dyn BoundTransfer> {
+        self.bound.get().map(Box::as_ref)
+    }
+
     /// The bound transfer.
     ///
     /// # Errors

@@ -2,7 +2,9 @@
 
 use std::sync::Mutex;
 
+use mimesh_core::memory;
 use mimesh_document::{Diagnostic, Kind, diagnostic};
+use mimesh_markers::IntoDiagnostic;
 use tracing::{Span, debug_span};
 
 use super::{
@@ -42,6 +44,7 @@ impl Stream {
         let poses = &runner.prepared.poses;
         let (at_once, in_order) = batches(runner.stages)?;
         let schedule = Schedule { count: poses.len(), batch: at_once, in_order };
+        check_memory(runner, schedule)?;
         let steps = PoseSteps { runner, motion: Mutex::new(None), span: Span::current() };
         schedule.run(&steps, |i, posed, output| {
             let pose = &poses[i];
@@ -93,6 +96,21 @@ impl Stream {
         self.failed.push(diagnostic);
         Ok(())
     }
+}
+
+/// Vectors of each vertex of the target that a pose has while it is under way: its positions in the file and on the surface, and what is
+/// measured of them.
+const VECTORS_OF_A_POSE: usize = 6;
+
+/// Asks for the memory of all poses that are under way together.
+fn check_memory(runner: &PoseRunner<'_>, schedule: Schedule) -> diagnostic::Result<()> {
+    let [under_way, posed] = schedule.at_once();
+    let vertices =
+        runner.prepared.source.sequence.rest.positions.len() + runner.prepared.target.sequence.rest.positions.len();
+    let of_vertices = memory::bytes_of::<[f64; 3]>(under_way * VECTORS_OF_A_POSE * vertices);
+    let of_transfer = runner.stages.bound_so_far().map_or(0, |bound| bound.bytes(posed));
+    let what = format!("{under_way} poses under way");
+    Ok(memory::need(what, of_vertices + of_transfer).map_err(IntoDiagnostic::into_diagnostic)?)
 }
 
 /// How many poses are taken at once, and whether one batch needs those before it.

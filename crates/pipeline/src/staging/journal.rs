@@ -173,6 +173,13 @@ pub(super) fn pointed_at(pointer: &Path) -> Option<PathBuf> {
     matches!(names::parse(&journal), Some(names::Found::Journal(_))).then_some(journal)
 }
 
+/// Whether the journal at `path` has not come to the end of its first line, so that nothing else was written either.
+pub(super) fn is_unbegun(path: &Path) -> bool {
+    let mut line = Vec::new();
+    let read = File::open(path).and_then(|file| BufReader::new(file.take(MAX_BYTES)).read_until(b'\n', &mut line));
+    read.is_ok() && !line.ends_with(b"\n")
+}
+
 /// Whether the transaction of the journal at `path` is under way. Where locks cannot tell, it is.
 pub(super) fn is_alive(path: &Path) -> bool {
     File::open(path).is_ok_and(|file| !is_free(&file))

@@ -72,6 +72,20 @@ impl FolderLock {
     }
 }
 
+/// Removes the journals in `folder`, which we hold, of transactions that were killed before they had said anything.
+pub(super) fn remove_unbegun(folder: &Path) -> io::Result<()> {
+    for entry in fs::read_dir(folder)?.filter_map(Result::ok) {
+        let path = entry.path();
+        if matches!(names::parse(&path), Some(Found::Journal(_)))
+            && journal::is_unbegun(&path)
+            && Journal::take_over(&path)?.is_some()
+        {
+            disk::remove(&path)?;
+        }
+    }
+    Ok(())
+}
+
 /// The transactions in `folder` that write one of `files`, which are at the end of all links.
 pub(super) fn at(folder: &Path, files: &[PathBuf]) -> Vec<Other> {
     let ours: std::collections::HashSet<&Path> = files.iter().map(PathBuf::as_path).collect();

@@ -218,6 +218,19 @@ fn links_stay_links_and_permissions_stay() {
     assert_eq!(files(folder.path()).len(), 3);
 }
 
+#[test]
+fn a_journal_that_was_just_made_when_its_writer_died_is_removed_and_one_of_another_version_stays() {
+    let folder = tempfile::tempdir().unwrap();
+    let place = folder.path().join("a");
+    let [empty, cut, other] = ["000000000000", "111111111111", "222222222222"]
+        .map(|identity| folder.path().join(format!(".mimesh-{identity}.journal")));
+    fs::write(&empty, "").unwrap();
+    fs::write(&cut, "0123456789abcdef").unwrap();
+    fs::write(&other, "another layout\n").unwrap();
+    write(&place, b"1").unwrap();
+    assert_eq!(files(folder.path()).keys().collect::<Vec<_>>(), [&other, &place]);
+}
+
 #[cfg(unix)]
 #[test]
 fn names_that_are_no_unicode_are_written_and_recovered() {

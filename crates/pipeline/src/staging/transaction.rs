@@ -62,6 +62,7 @@ impl Transaction {
         let folders: BTreeSet<PathBuf> = begun.files.iter().map(|file| folder_of(file).to_owned()).collect();
         {
             let _lock = FolderLock::take(&home).map_err(failed)?;
+            recovery::remove_unbegun(&home).map_err(failed)?;
             begun.clear(&home, &places)?;
             let made = |path: &Path| registry::locked().add(path);
             begun.journal = Some(Journal::create(&home, &begun.files, made).map_err(failed)?);

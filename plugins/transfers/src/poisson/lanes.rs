@@ -3,6 +3,7 @@
 use mimesh_core::{
     Error, Result,
     linalg::{LaneCholesky, Multifrontal},
+    memory::bytes_of,
 };
 use nalgebra::{Matrix3, Point3, Vector3};
 use pulp::{Arch, NullaryFnOnce};
@@ -183,6 +184,16 @@ impl Poisson {
         };
         next.fill([[0.0; N]; 3]);
         Arch::new().dispatch(Pass::<N, true> { elements: &self.elements, goals, x, fit, values, next })
+    }
+
+    /// The bytes of the room of a solve in `lanes` lanes that reweights.
+    pub(super) fn bytes_of_room(&self, lanes: usize) -> u64 {
+        let vectors = bytes_of::<[f64; 3]>(lanes * (2 * self.elements.len() + 2 * self.size()));
+        let matrices = match &self.system {
+            System::Lanes { pattern, .. } => bytes_of::<f64>(lanes * pattern.entry_count()),
+            System::Fronts(factor) => bytes_of::<f64>(lanes * factor.entry_count()) + lanes as u64 * factor.bytes(),
+        };
+        vectors + matrices
     }
 
     /// The vertices in a lane.

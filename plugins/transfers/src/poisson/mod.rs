@@ -134,6 +134,11 @@ impl Poisson {
         }
     }
 
+    /// The bytes that so many fields take which are solved for side by side, with reweighting.
+    pub fn bytes(&self, fields: usize) -> u64 {
+        fields.div_ceil(self.at_once()) as u64 * self.bytes_of_room(self.at_once())
+    }
+
     /// The posed vertices for each of `fields` (#F).
     ///
     /// The first corner of the first triangle of each component stays where it is at rest; of vertices without a triangle this

@@ -9,6 +9,7 @@ use super::{
     kernel::LANES,
     merge::{Forest, Node},
 };
+use crate::memory::bytes_of;
 
 /// Trees of fronts with more than this part of all work may run on threads of their own.
 const SPLIT: f64 = 1.0 / 24.0;
@@ -112,6 +113,21 @@ impl Fronts {
         let entries = entries(lower, &mut fronts, &inverse, &front_of);
         let root = Segments { forest: &forest, place: &place, is_heavy, count: fronts.len() }.below(None);
         Self { fronts, root, order: rows, entries, size: values }
+    }
+
+    /// The bytes of the values, and of what fronts leave while they are computed one after the other.
+    pub fn bytes(&self) -> u64 {
+        let (mut left, mut now, mut most) = (Vec::new(), 0, 0);
+        for front in &self.fronts {
+            let rest = front.stride() * front.below.len();
+            most = most.max(now + rest);
+            now += rest;
+            for _ in &front.children {
+                now -= left.pop().unwrap_or(0);
+            }
+            left.push(rest);
+        }
+        bytes_of::<f64>(self.size + most)
     }
 
     /// The first column and the first value of front `f`, or the numbers of all behind the last.

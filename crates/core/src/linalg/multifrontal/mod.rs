@@ -19,7 +19,7 @@ use self::{
     room::Room,
 };
 use super::symbolic::{analyse, singular};
-use crate::{Error, Result};
+use crate::{Error, Result, memory::need};
 
 /// A sparse Cholesky factorisation A = L Lᵀ whose values change often, or which is solved with for several right-hand sides at once,
 /// ordered by approximate minimum degree.
@@ -57,6 +57,7 @@ impl Multifrontal {
             return Err(Error::Other(format!("{what}: no supernodes").into()));
         };
         let fronts = Fronts::new(lower, supernodes, order.arrays().0);
+        need(what, fronts.bytes())?;
         let values = vec![0.0; fronts.size];
         let column_starts = lower.col_offsets().into();
         Ok(Self { fronts: Arc::new(fronts), values, column_starts, room: Arc::default(), what })
@@ -74,6 +75,11 @@ impl Multifrontal {
         }
         result.room = Arc::default();
         Ok(result)
+    }
+
+    /// The bytes of another factorisation of this pattern, while it is computed.
+    pub fn bytes(&self) -> u64 {
+        self.fronts.bytes()
     }
 
     /// Another factorisation of matrices with this pattern, to be given its values.

@@ -11,7 +11,11 @@ mod unbounded;
 
 use std::sync::Arc;
 
-use mimesh_core::{Result, linalg::LanePattern};
+use mimesh_core::{
+    Result,
+    linalg::LanePattern,
+    memory::{bytes_of, need},
+};
 use rayon::prelude::*;
 
 use super::{
@@ -76,15 +80,20 @@ struct Run {
     is_new: bool,
 }
 
+/// Vectors of all unknowns that a lane has while it is solved for.
+const VECTORS: usize = 20;
+
 impl LaneProgram {
     /// Analyses the pattern of `energy`.
     ///
     /// # Errors
     ///
-    /// The errors of [`LanePattern::new`].
+    /// The errors of [`LanePattern::new`], and [`Error::Memory`](mimesh_core::Error::Memory).
     pub fn new(energy: &Bilaplacian) -> Result<Self> {
         let pattern = LanePattern::new(&energy.matrix, "the energy of biharmonic weights")?;
         let n = pattern.size();
+        let of_thread = bytes_of::<[f64; MANY]>(pattern.entry_count() + VECTORS * n);
+        need("bounded biharmonic weights", rayon::current_num_threads() as u64 * of_thread)?;
         let rows: Vec<u32> = (0..n as u32).map(|i| pattern.row(i)).collect();
         let (mut diagonal_places, mut inverse_diagonal) = (vec![0; n], vec![0.0; n]);
         let mut inverse_mass = vec![0.0; n];

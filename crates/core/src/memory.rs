@@ -1,0 +1,75 @@
+//! How much memory the process may take: what needs much of it asks before it allocates.
+//!
+//! The program around the library sets the limit and says how much is in use, by [`set_limit`]; without one, all is granted. What is
+//! asked for is not counted afterwards: the system knows what is in use.
+
+use std::sync::{PoisonError, RwLock};
+
+use crate::{Error, Result};
+
+/// Less than this is not asked for, so that small work pays nothing.
+const SMALL: u64 = 1 << 20;
+
+/// What the program around the library said.
+#[derive(Clone, Copy)]
+struct Limit {
+    bytes: u64,
+    used: fn() -> Option<u64>,
+}
+
+static LIMIT: RwLock<Option<Limit>> = RwLock::new(None);
+
+/// Lets the process have `bytes` of memory; `used` says how much it has now, if the system tells.
+pub fn set_limit(bytes: u64, used: fn() -> Option<u64>) {
+    *LIMIT.write().unwrap_or_else(PoisonError::into_inner) = Some(Limit { bytes, used });
+}
+
+/// Asks for `bytes` that `what`, in words, will have at once beside what is in use.
+///
+/// # Errors
+///
+/// [`Error::Memory`] if that is more than the process may have.
+pub fn need(what: impl Into<String>, bytes: u64) -> Result<()> {
+    let limit = *LIMIT.read().unwrap_or_else(PoisonError::into_inner);
+    match limit {
+        Some(limit) if bytes >= SMALL => {
+            let used = (limit.used)().unwrap_or(0);
+            fits(bytes, used, limit.bytes).then_some(()).ok_or_else(|| Error::Memory {
+                what: what.into(),
+                needed: bytes,
+                used,
+                limit: limit.bytes,
+            })
+        }
+        _ => Ok(()),
+    }
+}
+
+fn fits(needed: u64, used: u64, limit: u64) -> bool {
+    used.saturating_add(needed) <= limit
+}
+
+/// The bytes of `count` values of type `T`.
+pub fn bytes_of<T>(count: usize) -> u64 {
+    (count as u64).saturating_mul(size_of::<T>() as u64)
+}
+
+/// A number of bytes in words, as `2.1 GB`.
+pub fn in_words(bytes: u64) -> String {
+    match bytes as f64 {
+        b if b < 1e9 => format!("{:.0} MB", (b / 1e6).ceil()),
+        b => format!("{:.1} GB", b / 1e9),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_fits_beside_what_is_in_use_is_granted_and_no_sum_overflows() {
+        assert!(fits(3, 4, 7) && !fits(4, 4, 7) && !fits(u64::MAX, 4, 7));
+        assert_eq!(bytes_of::<[f64; 3]>(2), 48);
+        assert_eq!([in_words(1), in_words(999_000_000), in_words(2_140_000_000)], ["1 MB", "999 MB", "2.1 GB"]);
+    }
+}
