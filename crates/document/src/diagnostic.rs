@@ -161,6 +161,8 @@ impl Diagnostic {
             }
             _ => None,
         };
+        // A name that is no Unicode has a mark in place of what is none.
+        let file = file.map(|file| file.to_string_lossy());
         let mut result = json!({
             "file": file, "line": line, "column": column, "option": option, "message": shortened(&self.message), "hint": self.way_out(),
         });

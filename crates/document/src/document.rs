@@ -258,7 +258,8 @@ mod tests {
     #[test]
     fn texts_that_ask_for_more_than_a_file_may_are_told_the_limit() {
         let told = |text: &str| Document::parse(Path::new("a.yaml"), text).unwrap_err().to_string();
-        let aliases: String = (1..10).map(|i| format!("a{i}: &a{i} [{}]\n", vec![format!("*a{}", i - 1); 10].join(", "))).collect();
+        let aliases: String =
+            (1..10).map(|i| format!("a{i}: &a{i} [{}]\n", vec![format!("*a{}", i - 1); 10].join(", "))).collect();
         let deep = "more than 64 deep";
         for (text, expected) in [
             (format!("a0: &a0 [x]\n{aliases}"), "250,000 values"),

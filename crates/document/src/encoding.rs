@@ -31,8 +31,12 @@ fn other_encoding(bytes: &[u8]) -> Option<&'static str> {
         [0xff, 0xfe, ..] => Some("UTF-16 (little-endian, with a byte order mark)"),
         [0xfe, 0xff, ..] => Some("UTF-16 (big-endian, with a byte order mark)"),
         // Letters of ASCII have a zero byte each.
-        [a, 0, b, 0, c, 0, ..] if [a, b, c].iter().all(|byte| byte.is_ascii() && **byte != 0) => Some("UTF-16 (little-endian)"),
-        [0, a, 0, b, 0, c, ..] if [a, b, c].iter().all(|byte| byte.is_ascii() && **byte != 0) => Some("UTF-16 (big-endian)"),
+        [a, 0, b, 0, c, 0, ..] if [a, b, c].iter().all(|byte| byte.is_ascii() && **byte != 0) => {
+            Some("UTF-16 (little-endian)")
+        }
+        [0, a, 0, b, 0, c, ..] if [a, b, c].iter().all(|byte| byte.is_ascii() && **byte != 0) => {
+            Some("UTF-16 (big-endian)")
+        }
         _ => None,
     }
 }

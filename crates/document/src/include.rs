@@ -217,7 +217,10 @@ mod tests {
     fn tower(height: usize, times: usize) -> Vec<(String, String)> {
         let storey = |i: usize| match i {
             0 => file("0.yaml", "a: 1\n"),
-            i => file(&format!("{i}.yaml"), &format!("include: [{}]\n", vec![format!("{}.yaml", i - 1); times].join(", "))),
+            i => file(
+                &format!("{i}.yaml"),
+                &format!("include: [{}]\n", vec![format!("{}.yaml", i - 1); times].join(", ")),
+            ),
         };
         (0..=height).map(storey).chain([file("p.yaml", &format!("include: {height}.yaml\nb: 2\n"))]).collect()
     }

@@ -255,7 +255,12 @@ impl Expander<'_> {
             return true;
         }
         let message = format!("variables make more than {} values of the file", thousands(MAX_EXPANDED));
-        self.wrong(node, written, message, "let variables repeat each other less often, and write shorter texts".into());
+        self.wrong(
+            node,
+            written,
+            message,
+            "let variables repeat each other less often, and write shorter texts".into(),
+        );
         self.is_full = true;
         false
     }
@@ -361,7 +366,7 @@ mod tests {
 
     #[test]
     fn a_few_variables_cannot_ask_for_endless_work() {
-        for text in [bomb(|one| format!("[{}]", vec![one; 10].join(", "))), bomb(|one| format!("'{}'", one.repeat(10)))] {
+        for text in [bomb(|one| format!("[{}]", [one; 10].join(", "))), bomb(|one| format!("'{}'", one.repeat(10)))] {
             let found = put_in(&text).1;
             assert_eq!(found.len(), 1, "{found:?}");
             assert!(found[0].ends_with("variables make more than 250,000 values of the file"), "{found:?}");

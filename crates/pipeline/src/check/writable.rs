@@ -18,6 +18,12 @@ use crate::{
     staging::MAX_WRITTEN_NAME,
 };
 
+/// What file systems take for the name of a folder, in bytes.
+const MAX_NAME: usize = 255;
+
+/// What the system takes for a path, in bytes, with the marks of a temporary file.
+const MAX_PATH: usize = 4095 - 32;
+
 /// The folder for results that was given beside the file.
 #[derive(Debug)]
 pub(super) struct Destination<'a> {
@@ -61,6 +67,18 @@ impl<'a> WritableFiles<'a> {
         let name = file.file_name().unwrap_or_default().to_string_lossy();
         if name.len() > MAX_WRITTEN_NAME {
             return Some(of_file(too_long(&name)).hint("give the file a shorter name"));
+        }
+        let folders = file.parent().into_iter().flat_map(Path::components);
+        if let Some(folder) = folders.map(|part| part.as_os_str()).find(|part| part.len() > MAX_NAME) {
+            let start: String = folder.to_string_lossy().chars().take(40).collect();
+            let bytes = folder.len();
+            let message =
+                format!("the name `{start}…` of a folder has {bytes} bytes, and file systems take {MAX_NAME}");
+            return Some(of_file(message).hint("give the folder a shorter name"));
+        }
+        if file.as_os_str().len() > MAX_PATH {
+            let message = format!("the path has {} bytes, and the system takes {MAX_PATH}", file.as_os_str().len());
+            return Some(of_file(message).hint("write into a folder that lies less deep"));
         }
         let identity = identity(file);
         if let Some(role) = self.inputs.get(&identity) {
