@@ -121,7 +121,7 @@ impl Document {
         Some((value, self.root.take(&Step::Key(key.into()))))
     }
 
-    /// A diagnostic for each key and each text that is longer than paths, names and patterns are.
+    /// A diagnostic for each key and each text that can be no path, name or pattern: it is longer, or has a zero character.
     pub fn long_texts(&self) -> Diagnostics {
         let mut diagnostics = Diagnostics::default();
         long_texts(&self.value, &self.root, &mut diagnostics);
@@ -139,6 +139,10 @@ fn long_texts(value: &Value, node: &SpanTree, diagnostics: &mut Diagnostics) {
         let (found, most) = (thousands(text.len()), thousands(MAX_STRING_BYTES));
         let message = format!("{what} has {found} bytes, expected {most} at most");
         let diagnostic = Diagnostic::new(Kind::BadPipeline, message).at(span.location());
+        if text.contains('\0') {
+            let diagnostic = Diagnostic::new(Kind::BadPipeline, format!("{what} has a zero character"));
+            return Some(diagnostic.at(span.location()).hint("no path and no name can have it; leave it out"));
+        }
         (text.len() > MAX_STRING_BYTES).then(|| diagnostic.hint("no path and no name is longer; write a shorter one"))
     };
     match value {

@@ -183,7 +183,15 @@ pub fn io_message(action: &str, error: &io::Error) -> String {
         // What was found in place of a regular file.
         ErrorKind::InvalidInput => error.to_string(),
         ErrorKind::InvalidFilename => format!("cannot {action}: the path is longer than the system takes"),
-        _ => format!("cannot {action}: {error}"),
+        _ => {
+            let text = error.to_string();
+            // The system's number says nothing to people.
+            let text = text.split(" (os error").next().unwrap_or_default();
+            match text.contains("symbolic link") {
+                true => format!("cannot {action}: it is a link that leads back to itself"),
+                false => format!("cannot {action}: {text}"),
+            }
+        }
     }
 }
 

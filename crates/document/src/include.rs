@@ -116,7 +116,9 @@ impl Reader {
                 }
                 Ok(included) => {
                     let message = "expected a mapping of keys";
-                    self.diagnostics.push(included.diagnostic(&[], At::Value, message));
+                    let hint =
+                        "is it the file that is meant? an included file has keys of a pipeline, e.g. `transfer: …`";
+                    self.diagnostics.push(included.diagnostic(&[], At::Value, message).hint(hint));
                 }
                 // That it is not there is said where it is named.
                 Err(failure) => {

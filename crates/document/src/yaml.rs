@@ -54,6 +54,10 @@ pub fn not_yaml(text: &Arc<SourceText>, error: serde_saphyr::Error) -> Diagnosti
         ("a second document begins here".into(), "remove the line `---` and what follows it; a file holds one document")
     } else if problem.contains(NOT_FINITE) {
         (problem, "write a number below 1e308, or leave the key out")
+    } else if problem.contains("cannot deserialize null into string") {
+        ("a key is empty".into(), "write the name of the key before the `:`")
+    } else if problem.contains("simple key expected") {
+        ("there is no `:` after a key, or the key has more than 1,024 characters".into(), "write `key: value`")
     } else if problem.contains("tab") {
         (problem, "indent with blanks")
     } else if problem.contains("unknown anchor") {

@@ -40,7 +40,8 @@ impl Scope<'_> {
 
     /// Whether `error` is about a setting of the stage at `at` that has a diagnostic already.
     pub fn is_reported(&self, error: &Error, at: &[Step]) -> bool {
-        matches!(error, Error::Setting { .. }) && self.rejected.iter().any(|rejected| rejected.starts_with(at))
+        matches!(error, Error::Setting { .. })
+            && self.rejected.iter().any(|rejected| rejected.starts_with(at) || at.starts_with(rejected))
     }
 }
 

@@ -12,7 +12,6 @@ use super::{
     findings::{Findings, Scope},
     held_poses::resting_alike,
     rest_meshes::in_file,
-    vertex_counts::all_others,
 };
 use crate::{
     input::{GroundTruth, PoseInput, RestMesh},
@@ -78,9 +77,6 @@ fn truth_files(
     }
     for file in &files {
         found.input(scope, "truth", file, &at);
-    }
-    if let Some(target) = target {
-        found.diagnostics.extend(all_others(scope.formats, files.iter().map(PathBuf::as_path), target));
     }
     GroundTruth::Files { files, meshes: chosen_meshes(target) }
 }

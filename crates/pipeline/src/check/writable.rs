@@ -142,7 +142,8 @@ impl<'a> WritableFiles<'a> {
 
 /// The nearest folder around `file` that exists.
 fn existing_folder(file: &Path) -> &Path {
-    let exists = |folder: &&Path| folder.as_os_str().is_empty() || folder.exists();
+    // A link that leads nowhere is there too.
+    let exists = |folder: &&Path| folder.as_os_str().is_empty() || folder.symlink_metadata().is_ok();
     match file.ancestors().skip(1).find(exists) {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),
