@@ -246,7 +246,11 @@ fn encodings_are_told_by_name() {
         fs::copy(project.path("bad"), project.path("bad.json")).expect("a copy");
         fs::copy(project.path("bad"), project.path("bad.csv")).expect("a copy");
         let with = |line: &str| format!("{line}\n{PIPELINE}");
-        for pipeline in [with("include: bad"), with("shapes: { rename_file: bad.csv }"), with("markers: bad.csv")] {
+        for pipeline in [
+            with("include: bad"),
+            with("shapes: { rename_file: bad.csv }"),
+            with("markers: { source: bad.csv, target: bad.csv }"),
+        ] {
             let (status, stderr) = checked(&project, &pipeline);
             assert!(status == 65 || status == 78, "{pipeline}: {stderr}");
             assert!(stderr.contains(expected) && stderr.contains("iconv"), "{pipeline}: {stderr}");
@@ -264,8 +268,9 @@ fn other_json_in_place_of_a_kept_correspondence_is_told_as_what_it_is() {
         ("{\"format\": \"x\", \"version\": 1}", "found the format `x`"),
         ("{\"format\": \"mimesh-correspondence\"}", "found no version"),
         ("{\"format\": \"mimesh-correspondence\", \"version\": 7}", "found version 7"),
-        ("[1]", "not a kept correspondence"),
-        ("", "not a kept correspondence"),
+        ("[1]", "found other JSON"),
+        ("7", "not a kept correspondence: its values are others"),
+        ("", "not a kept correspondence: it is no JSON"),
     ] {
         project.write("pairs.json", text);
         let pipeline = PIPELINE.replace("{ type: identity }", "{ type: from_file, path: pairs.json }");
@@ -315,7 +320,7 @@ fn names_of_runs_add_no_folder_and_no_formula() {
 fn names_of_targets_are_names_everywhere() {
     for name in ["../x", "a/b", "a\\b", "..", "CON", "nul.x", "\u{202e}a", "a.", "{pose}"] {
         let project = Project::new();
-        let target = format!("targets: {{ {name:?}: {{ rest: target.obj }} }}");
+        let target = format!("targets: {{ {}: {{ rest: target.obj }} }}", serde_json::json!(name));
         let pipeline = common::with_targets(&target);
         assert_told(&project, &pipeline, 78, "cannot name a target");
     }
