@@ -13,7 +13,8 @@ fn check_prints_an_overview_and_computes_nothing() {
     assert_eq!((output.status, output.stderr.as_str()), (0, ""));
     assert_eq!(
         output.stdout,
-        "ok: source of 8 vertices, 3 poses; target of 8 vertices; 0 markers; identity then copy_displacement; 3 files to write\n"
+        "ok: source of 8 vertices, 3 poses; target of 8 vertices; 0 markers; identity then copy_displacement; 3 files to write\n\
+         not read: the shapes in 3 files of poses; `--poses` reads them\n"
     );
     assert!(!project.has("out"));
     assert_eq!(json(&project.mimesh(&["check", "p.yaml", "--json"]).stdout)["ok"], true);
@@ -33,9 +34,13 @@ fn check_as_json_has_locations_and_hints() {
 #[test]
 fn check_reads_poses_when_asked() {
     let project = Project::new();
-    project.write("pose-2.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
-    assert_eq!(project.mimesh(&["check", "p.yaml"]).status, 0);
+    project.write("pose-2.obj", &cube(|p| p).replace("f 1 3 4 2\n", ""));
+    let seen = project.mimesh(&["check", "p.yaml"]);
+    assert!(seen.status == 0 && seen.stdout.contains("not read: the shapes in 3 files"), "{}", seen.stderr);
     assert_eq!(project.mimesh(&["check", "p.yaml", "--poses"]).status, 65);
+    // The number of vertices is seen without reading.
+    project.write("pose-2.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    assert_eq!(project.mimesh(&["check", "p.yaml"]).status, 65);
 }
 
 #[test]

@@ -72,7 +72,7 @@ impl CacheCommand {
         if self.clear {
             let removed = cache.store.clear().map_err(IntoDiagnostic::into_diagnostic)?;
             if self.json {
-                terminal::print_json(&json!({ "folder": folder, "removed": removed }));
+                terminal::print_json(&json!({ "folder": terminal::shown(folder), "removed": removed }));
             } else {
                 let results = count(removed.entries, "result", "results");
                 terminal::print(&format!("{results} removed ({}) from {}\n", bytes(removed.bytes), folder.display()));
@@ -82,7 +82,7 @@ impl CacheCommand {
         let usage = cache.store.usage();
         let total: u64 = usage.values().map(|usage| usage.bytes).sum();
         if self.json {
-            terminal::print_json(&json!({ "folder": folder, "kept": usage, "bytes": total }));
+            terminal::print_json(&json!({ "folder": terminal::shown(folder), "kept": usage, "bytes": total }));
         } else {
             let rows = usage.iter().map(|(kind, usage)| {
                 (kind.clone(), format!("{}, {}", count(usage.entries, "result", "results"), bytes(usage.bytes)))

@@ -9,7 +9,7 @@ use {
     mimesh_pipeline::{
         Prepared,
         choices::rows,
-        input::{PoseFrom, PoseInput, RestMesh},
+        input::{GroundTruth, PoseFrom, PoseInput, RestMesh},
         text::{count, pairs},
     },
 };
@@ -18,15 +18,16 @@ use crate::cli::{CommandResult, cache::CacheOptions, flags::with_flags, run::Ove
 
 /// Finds all mistakes in a pipeline and in the runs that it declares, without running them.
 ///
-/// The command reads the rest meshes and the markers, and the poses of a source whose boundaries coincide. With `--poses` it reads
-/// all poses. It computes nothing but the seams that open and the proximity graph, which the checks of stages look at.
+/// The command reads the rest meshes and the markers, and the poses of a source whose boundaries coincide. Of other poses and of known
+/// results it counts the vertices, as far as a look at the file tells them. With `--poses` it reads all of them. It computes nothing but
+/// the seams that open and the proximity graph, which the checks of stages look at.
 #[derive(Debug, clap::Args)]
 pub struct Check {
     /// The pipeline's YAML file
     pipeline: PathBuf,
     #[command(flatten)]
     overrides: Overrides,
-    /// Read every pose too
+    /// Read every pose and every known result too
     #[arg(long)]
     poses: bool,
     #[command(flatten)]
@@ -42,8 +43,13 @@ impl Check {
         let cache = self.cache.open()?;
         let checked =
             pipeline::prepare_all(&self.pipeline, &self.overrides.options(), cache.as_ref()).and_then(|all| {
-                let list = if self.poses { unreadable_poses(&all) } else { vec![] };
-                Diagnostics { list }.into_result().map(|()| all)
+                let list = match self.poses {
+                    true => unreadable_poses(&all),
+                    false => all.iter().flat_map(pipeline::check::other_vertex_counts).collect(),
+                };
+                let mut wrong = Diagnostics { list };
+                wrong.deduplicate();
+                wrong.into_result().map(|()| all)
             });
         match checked {
             Ok(all) if self.json => {
@@ -56,6 +62,7 @@ impl Check {
                 };
                 terminal::print_json(&json!({
                     "ok": true, "mistakes": [], "warnings": warnings, "runs": runs, "choices": choices,
+                    "not_read": self.not_read(&all),
                 }));
             }
             Ok(all) => {
@@ -71,6 +78,9 @@ impl Check {
                         terminal::print(&format!("ok: {runs}\n{}{chosen}", pairs(&rows)));
                     }
                 }
+                if let Some(text) = not_read_text(self.not_read(&all)) {
+                    terminal::print(&text);
+                }
             }
             Err(failure) if self.json => {
                 let diagnostics: Vec<_> = failure.list.iter().map(|d| with_flags(d).to_json()).collect();
@@ -81,6 +91,35 @@ impl Check {
         }
         Ok(Status::Done)
     }
+}
+
+impl Check {
+    /// How many files of poses and of known results were only looked at.
+    fn not_read(&self, all: &[Prepared]) -> usize {
+        let files: HashSet<&PathBuf> = all.iter().flat_map(|run| pose_files(run).chain(truth_files(run))).collect();
+        if self.poses { 0 } else { files.len() }
+    }
+}
+
+/// What the check has left to the run, in a line.
+fn not_read_text(files: usize) -> Option<String> {
+    let files = (files > 0).then(|| count(files, "file of a pose", "files of poses"))?;
+    Some(format!("not read: the shapes in {files}; `--poses` reads them\n"))
+}
+
+fn pose_files(run: &Prepared) -> impl Iterator<Item = &PathBuf> {
+    run.poses.iter().filter_map(|pose| match &pose.from {
+        PoseFrom::File(file) => Some(file),
+        PoseFrom::Held(_) => None,
+    })
+}
+
+fn truth_files(run: &Prepared) -> impl Iterator<Item = &PathBuf> {
+    let files = match &run.truth {
+        GroundTruth::Files { files, .. } => &files[..],
+        _ => &[],
+    };
+    files.iter()
 }
 
 /// The warnings of all runs, without repetitions.
@@ -140,5 +179,20 @@ fn unreadable_poses(all: &[Prepared]) -> Vec<Diagnostic> {
         let checked = read.and_then(|positions| mimesh_core::mesh::check_finite(&positions));
         checked.err().map(|error| pipeline::check::in_file(file, error))
     };
-    all.iter().flat_map(|run| run.poses.iter().map(move |pose| (run, pose))).filter_map(read).collect()
+    let poses = all.iter().flat_map(|run| run.poses.iter().map(move |pose| (run, pose))).filter_map(read);
+    let mut wrong: Vec<_> = poses.collect();
+    wrong.extend(all.iter().flat_map(unreadable_truth));
+    wrong
+}
+
+/// Reads the file of every known result once, and gives a diagnostic for each that is unusable.
+fn unreadable_truth(prepared: &Prepared) -> Vec<Diagnostic> {
+    let rest = &prepared.target.sequence.rest;
+    let read = |(i, pose): (usize, &PoseInput)| {
+        let positions = prepared.truth.positions(i, &pose.name, rest, &prepared.formats);
+        let checked = positions.and_then(|known| known.map_or(Ok(()), |known| mimesh_core::mesh::check_finite(&known)));
+        let file = truth_files(prepared).nth(i)?;
+        checked.err().map(|error| pipeline::check::in_file(file, error))
+    };
+    prepared.poses.iter().enumerate().filter_map(read).collect()
 }

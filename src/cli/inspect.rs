@@ -77,7 +77,7 @@ fn as_json(file: &Path, bytes: u64, sequence: &MeshSequence, statistics: &Statis
         json!({ "object": part.object, "groups": part.groups, "material": part.material, "polygons": polygons })
     };
     json!({
-        "file": file, "bytes": bytes, "statistics": statistics, "unit_guess": unit(statistics.diagonal),
+        "file": terminal::shown(file), "bytes": bytes, "statistics": statistics, "unit_guess": unit(statistics.diagonal),
         "texture_coordinates": mesh.texture_coordinates.is_some(), "normals": mesh.normals.is_some(),
         "parts": mesh.parts.iter().map(part).collect::<Vec<_>>(),
         "materials": mesh.materials.iter().map(|material| &material.name).collect::<Vec<_>>(),
@@ -92,7 +92,7 @@ fn as_json(file: &Path, bytes: u64, sequence: &MeshSequence, statistics: &Statis
 fn cache_as_json(file: &Path, bytes: u64, sequence: &MeshSequence) -> Value {
     let animation = |a: &Animation| json!({ "name": a.name, "seconds": a.seconds });
     json!({
-        "file": file, "bytes": bytes, "vertices": sequence.rest.positions.len(),
+        "file": terminal::shown(file), "bytes": bytes, "vertices": sequence.rest.positions.len(),
         "poses": sequence.poses.iter().map(|pose| &pose.name).collect::<Vec<_>>(),
         "animations": sequence.animations.iter().map(animation).collect::<Vec<_>>(),
         "warnings": sequence.warnings,

@@ -102,7 +102,7 @@ impl KeyPoints {
                 .map(|s| json!({ "points": s.points.len(), "error": s.error, "exchanged": s.exchanged }))
                 .collect();
             terminal::print_json(&json!({
-                "markers": output, "points": file.pairs.iter().filter_map(|pair| pair.source).map(point_json).collect::<Vec<_>>(),
+                "markers": terminal::shown(&output), "points": file.pairs.iter().filter_map(|pair| pair.source).map(point_json).collect::<Vec<_>>(),
                 "targets_to_find": open, "steps": steps, "figures": chosen.figures, "interrupted": interrupted,
                 "seconds": started.elapsed().as_secs_f64(),
             }));

@@ -120,6 +120,9 @@ impl MeshPair {
     /// The pipeline, each value at its argument.
     fn document(&self) -> Result<Document> {
         let mut document = Document::parse(Path::new(NAME), "{}")?;
+        check_is_text("SOURCE", &self.source)?;
+        check_is_text("TARGET", &self.target)?;
+        self.markers.iter().try_for_each(|markers| check_is_text("--markers", markers))?;
         let file = |file: &Path| Value::from(file.to_string_lossy());
         put(&mut document, &path(["source", "rest"]), file(&self.source), format!("SOURCE {}", self.source.display()))?;
         put(&mut document, &path(["target", "rest"]), file(&self.target), format!("TARGET {}", self.target.display()))?;
@@ -156,6 +159,17 @@ impl MeshPair {
             }
         })
     }
+}
+
+/// Checks that a path can stand in a pipeline, which is text.
+fn check_is_text(argument: &str, path: &Path) -> Result<()> {
+    if path.to_str().is_some() {
+        return Ok(());
+    }
+    let message = "the path is no Unicode, and a pipeline is";
+    let location = Location::Argument(format!("{argument} {}", path.display()));
+    let diagnostic = mimesh_document::Diagnostic::new(Kind::Usage, message).at(location);
+    Err(diagnostic.hint("rename the file and its folders, or go into its folder first").into())
 }
 
 /// Puts a value into the document, at the argument that gave it.

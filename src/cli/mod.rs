@@ -100,8 +100,13 @@ pub fn main() -> ExitCode {
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
         Err(error) => {
-            let _ = error.print();
-            return if error.use_stderr() { Status::Usage } else { Status::Done }.into();
+            let printed = error.print();
+            if error.use_stderr() {
+                return Status::Usage.into();
+            }
+            // Help and version go to stdout.
+            terminal::note(printed);
+            return ended_with(Status::Done).into();
         }
     };
     memory::set(cli.memory);
@@ -125,12 +130,24 @@ pub fn main() -> ExitCode {
         Command::New(command) => command.run(),
         Command::Completions(command) => command.run(Cli::command()),
     };
-    match result {
-        Ok(status) => status.into(),
+    let status = match result {
+        Ok(status) => status,
         Err(failure) => {
             terminal::report(&failure);
-            Status::from(failure.kind()).into()
+            failure.kind().into()
         }
+    };
+    ended_with(status).into()
+}
+
+/// The status of a command that ends with `status`: what it could not print comes first, since nobody can know the result.
+fn ended_with(status: Status) -> Status {
+    match terminal::unprinted() {
+        Some(diagnostic) => {
+            terminal::report_one(&diagnostic);
+            diagnostic.kind.into()
+        }
+        None => status,
     }
 }
 

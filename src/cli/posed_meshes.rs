@@ -28,7 +28,7 @@ pub struct PosedMesh {
 /// A diagnostic if no file matches, or if one cannot be read.
 pub fn read_all(formats: &Formats, pattern: &str, file_name: fn(&GlobMatch) -> String) -> Result<Vec<PosedMesh>> {
     let matches = globs::expand(Path::new(""), pattern)
-        .map_err(|problem| Diagnostic::new(Kind::Usage, format!("`{pattern}` is not a glob: {problem}")))?;
+        .map_err(|refused| Diagnostic::new(Kind::Usage, refused.message).hint(refused.hint))?;
     if matches.is_empty() {
         let message = format!("no file matches `{pattern}`");
         return Err(Diagnostic::new(Kind::MissingInput, message).hint(nearby(Path::new(pattern))).into());

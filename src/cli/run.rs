@@ -268,10 +268,13 @@ fn status(results: &Results) -> Status {
     }
 }
 
+/// More threads than this no machine has cores for, and each takes memory.
+const MAX_THREADS: u16 = 1024;
+
 /// Parses a number of threads.
 fn threads(text: &str) -> std::result::Result<u16, String> {
     text.parse()
         .ok()
-        .filter(|count| *count > 0)
-        .ok_or_else(|| format!("expected a whole number from 1 to {}", u16::MAX))
+        .filter(|count| (1..=MAX_THREADS).contains(count))
+        .ok_or_else(|| format!("expected a whole number from 1 to {MAX_THREADS}"))
 }

@@ -186,7 +186,7 @@ fn check_limits(limits: &[Limit], summary: &Value) -> Status {
 fn poses_json(poses: &[PoseReport], results: &[PosedMesh], truths: &[PosedMesh]) -> Vec<Value> {
     let pose_json = |(pose, (result, truth)): (&PoseReport, (&PosedMesh, &PosedMesh))| {
         json!({
-            "result": result.file, "truth": truth.file, "pose": pose.name,
+            "result": terminal::shown(&result.file), "truth": terminal::shown(&truth.file), "pose": pose.name,
             "score": pose.metrics.get("point_error"), "nothing": pose.rest_baseline.get("point_error"),
         })
     };

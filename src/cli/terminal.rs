@@ -1,15 +1,43 @@
 //! Output on stdout and stderr.
 
-use std::io::{self, IsTerminal, Write};
+use std::{
+    borrow::Cow,
+    io::{self, IsTerminal, Write},
+    path::{Path, PathBuf},
+    sync::{Mutex, PoisonError},
+};
 
-use mimesh_document::{Diagnostic, Diagnostics};
+use mimesh_document::{Diagnostic, Diagnostics, Kind, files::io_message};
 use serde::Serialize;
 
 use super::flags::with_flags;
 
-/// Prints to stdout. A reader that has closed the pipe (`| head`) is not an error.
+/// Why something could not be printed to stdout, once that is so.
+static UNPRINTED: Mutex<Option<Diagnostic>> = Mutex::new(None);
+
+/// Prints to stdout, through which all results go. A reader that has closed the pipe (`| head`) is not an error; what else is wrong is
+/// kept for the end of the command ([`unprinted`]), whose work is done either way.
 pub fn print(text: &str) {
-    let _ = io::stdout().write_all(text.as_bytes()).and_then(|()| io::stdout().flush());
+    note(io::stdout().write_all(text.as_bytes()).and_then(|()| io::stdout().flush()));
+}
+
+/// Keeps the failure of printing to stdout, if it is one.
+pub fn note(printed: io::Result<()>) {
+    if let Err(error) = printed.as_ref()
+        && error.kind() != io::ErrorKind::BrokenPipe
+    {
+        let diagnostic = Diagnostic::new(Kind::CannotWrite, format!("standard output: {}", io_message("write", error)));
+        keep(diagnostic.hint("free some space, or send it elsewhere: `mimesh … > FILE`"));
+    }
+}
+
+fn keep(diagnostic: Diagnostic) {
+    UNPRINTED.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(diagnostic);
+}
+
+/// Why something could not be printed to stdout, if so.
+pub fn unprinted() -> Option<Diagnostic> {
+    UNPRINTED.lock().unwrap_or_else(PoisonError::into_inner).clone()
 }
 
 /// Prints to stderr what belongs to a result, where stdout has the result for other programs.
@@ -19,9 +47,20 @@ pub fn print_beside(text: &str) {
 
 /// Prints as JSON to stdout.
 pub fn print_json(value: &impl Serialize) {
-    if let Ok(text) = serde_json::to_string_pretty(value) {
-        print(&(text + "\n"));
+    match serde_json::to_string_pretty(value) {
+        Ok(text) => print(&(text + "\n")),
+        Err(error) => keep(Diagnostic::new(Kind::Internal, format!("the result cannot be printed as JSON: {error}"))),
     }
+}
+
+/// A path as a text of JSON, with a mark in place of what is no Unicode.
+pub fn shown(path: &Path) -> Cow<'_, str> {
+    path.to_string_lossy()
+}
+
+/// Paths as texts of JSON.
+pub fn all_shown(paths: &[PathBuf]) -> Vec<Cow<'_, str>> {
+    paths.iter().map(|path| shown(path)).collect()
 }
 
 /// The largest number of diagnostics that are shown. More of them mostly have one cause.

@@ -15,6 +15,9 @@ use crate::{
     step::Step,
 };
 
+/// Mistakes of one value that are looked for: more are of one kind.
+const MAX_MISTAKES: usize = 100;
+
 /// Deserialises the value at `path` of `document`; all that is wrong is added to `diagnostics`.
 ///
 /// `None` if there is no value, or nothing of it could be understood. After diagnostics the result is only good to look for more.
@@ -31,7 +34,8 @@ pub fn deserialize<T: DeserializeOwned>(
         return None;
     }
     let mut removed: Vec<Vec<Step>> = vec![];
-    loop {
+    // Each mistake costs another reading of the whole.
+    while removed.len() < MAX_MISTAKES {
         let error = match serde_path_to_error::deserialize::<_, T>(&value) {
             Ok(parsed) => return Some(parsed),
             Err(error) => error,
@@ -47,6 +51,7 @@ pub fn deserialize<T: DeserializeOwned>(
         let gone = take_out(&mut value, &inner, &removed)?;
         removed.push(gone);
     }
+    None
 }
 
 /// Whether `T` is read from a mapping: it can be read from an empty one, or misses a key in it.

@@ -1,14 +1,16 @@
 //! Diagnostics: what is wrong, where, and what to do about it.
 
-use std::{fmt, path::PathBuf};
+use std::{collections::HashSet, fmt, path::PathBuf};
 
 use serde::Serialize;
 use serde_json::{Value, json};
 
+use crate::limits::{MAX_DIAGNOSTICS, shortened};
+
 /// What kind of thing is wrong; a program that runs pipelines turns kinds into exit statuses or responses of its own.
 ///
 /// Of several diagnostics together the largest counts: a wrong pipeline first, since the others may follow from it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Kind {
     /// A fault of the program itself.
     Internal,
@@ -38,7 +40,7 @@ impl Kind {
 /// One thing that is wrong, as the user sees it.
 ///
 /// It displays as `location: message`, then the line of the file with the wrong part marked, then a hint.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Diagnostic {
     /// What kind of thing is wrong.
     pub kind: Kind,
@@ -53,7 +55,7 @@ pub struct Diagnostic {
 }
 
 /// A way out that depends on the program around the library: a command line names an option, a server something else.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Remedy {
     /// The action, one of the constants of the crate that proposes it; the host program looks it up.
     pub action: &'static str,
@@ -70,7 +72,7 @@ pub const SET_VALUE: &str = "set_value";
 pub const SHOW_SETTINGS: &str = "show_settings";
 
 /// A place in what the user wrote.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Location {
     /// A file as a whole.
@@ -92,7 +94,7 @@ pub enum Location {
         column: u32,
         /// How many characters, at least 1.
         length: u32,
-        /// The text of the line.
+        /// The text of the line; empty where it is too long to be shown, or none of the user's.
         text: Box<str>,
     },
     /// A value that was set beside the file, `key=value`.
@@ -163,8 +165,10 @@ impl Diagnostic {
             }
             _ => None,
         };
+        // A name that is no Unicode has a mark in place of what is none.
+        let file = file.map(|file| file.to_string_lossy());
         let mut result = json!({
-            "file": file, "line": line, "column": column, "option": option, "message": self.message, "hint": self.way_out(),
+            "file": file, "line": line, "column": column, "option": option, "message": shortened(&self.message), "hint": self.way_out(),
         });
         if let Some(object) = result.as_object_mut() {
             object.retain(|_, value| !value.is_null());
@@ -184,25 +188,22 @@ impl Diagnostics {
         self.list.len()
     }
 
-    /// Adds a diagnostic.
+    /// Adds a diagnostic, unless there are so many that more would tell nothing.
     pub fn push(&mut self, diagnostic: Diagnostic) {
-        self.list.push(diagnostic);
+        if self.list.len() < MAX_DIAGNOSTICS {
+            self.list.push(diagnostic);
+        }
     }
 
     /// Adds the diagnostics of `others`.
     pub fn extend(&mut self, others: impl IntoIterator<Item = Diagnostic>) {
-        self.list.extend(others);
+        others.into_iter().for_each(|other| self.push(other));
     }
 
     /// Leaves out repetitions; the first of equal diagnostics stays.
     pub fn deduplicate(&mut self) {
-        let mut unique: Vec<Diagnostic> = Vec::new();
-        for diagnostic in self.list.drain(..) {
-            if !unique.contains(&diagnostic) {
-                unique.push(diagnostic);
-            }
-        }
-        self.list = unique;
+        let mut seen = HashSet::new();
+        self.list.retain(|diagnostic| seen.insert(diagnostic.clone()));
     }
 
     /// The list as an error, unless it is empty.
@@ -257,11 +258,11 @@ impl fmt::Display for Location {
 impl fmt::Display for Diagnostic {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if let Some(location) = &self.location {
-            write!(f, "{location}: ")?;
+            write!(f, "{}: ", shortened(&location.to_string()))?;
         }
-        f.write_str(&self.message)?;
+        f.write_str(&shortened(&self.message))?;
         let margin = match &self.location {
-            Some(Location::Span { line, column, length, text, .. }) => {
+            Some(Location::Span { line, column, length, text, .. }) if !text.is_empty() => {
                 let number = line.to_string();
                 let margin = " ".repeat(number.len());
                 let shown = text.replace('\t', " ");
@@ -274,7 +275,7 @@ impl fmt::Display for Diagnostic {
             _ => "  ".into(),
         };
         match self.way_out() {
-            Some(hint) => write!(f, "\n{margin}hint: {hint}"),
+            Some(hint) => write!(f, "\n{margin}hint: {}", shortened(&hint)),
             None => Ok(()),
         }
     }

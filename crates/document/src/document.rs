@@ -14,10 +14,11 @@ use serde_json::Value;
 use crate::{
     braces::guarded,
     diagnostic::{Diagnostic, Diagnostics, Kind, Location},
-    files::read_text,
+    files::read_text_up_to,
+    limits::{MAX_STRING_BYTES, MAX_YAML_BYTES, thousands},
     source_tree::{SourceSpan, SourceText, SpanEntry, SpanTree},
     step::Step,
-    yaml::{not_yaml, type_first, yaml_value},
+    yaml::{not_yaml, too_long, type_first, yaml_value},
 };
 
 /// A YAML file, parsed but not yet understood; once composed, with what it includes.
@@ -47,7 +48,7 @@ impl Document {
     ///
     /// If it cannot be read, or is no YAML.
     pub fn read(file: &Path) -> Result<Self, Diagnostics> {
-        Self::parse(file, &read_text(file)?)
+        Self::parse(file, &read_text_up_to(file, MAX_YAML_BYTES as u64)?)
     }
 
     /// Parses the text of `file`.
@@ -56,10 +57,25 @@ impl Document {
     ///
     /// If it is no YAML.
     pub fn parse(file: &Path, text: &str) -> Result<Self, Diagnostics> {
-        let whole = SourceText::new(file, text);
+        Self::parse_as(SourceText::new(file, text), text)
+    }
+
+    /// Parses a text whose lines no message shows.
+    ///
+    /// # Errors
+    ///
+    /// If it is no YAML.
+    pub fn parse_hidden(file: &Path, text: &str) -> Result<Self, Diagnostics> {
+        Self::parse_as(SourceText::hidden(file), text)
+    }
+
+    fn parse_as(whole: Arc<SourceText>, text: &str) -> Result<Self, Diagnostics> {
+        if let Some(diagnostic) = too_long(&whole.file, text) {
+            return Err(diagnostic.into());
+        }
         let text = &guarded(text);
         let value = yaml_value(text).map_err(|error| not_yaml(&whole, error))?;
-        Ok(Self { file: file.into(), value: type_first(value), root: SpanTree::of_yaml(&whole, text) })
+        Ok(Self { file: whole.file.clone(), value: type_first(value), root: SpanTree::of_yaml(&whole, text) })
     }
 
     /// The text at `path`, or at the nearest part of the path that is in the file: a merged value has no place of its own. A
@@ -105,9 +121,45 @@ impl Document {
         Some((value, self.root.take(&Step::Key(key.into()))))
     }
 
+    /// A diagnostic for each key and each text that can be no path, name or pattern: it is longer, or has a zero character.
+    pub fn long_texts(&self) -> Diagnostics {
+        let mut diagnostics = Diagnostics::default();
+        long_texts(&self.value, &self.root, &mut diagnostics);
+        diagnostics
+    }
+
     /// A diagnostic at `path`.
     pub fn diagnostic(&self, path: &[Step], at: At, message: impl Into<String>) -> Diagnostic {
         Diagnostic::new(Kind::BadPipeline, message).at(self.location(path, at))
+    }
+}
+
+fn long_texts(value: &Value, node: &SpanTree, diagnostics: &mut Diagnostics) {
+    let check = |what: &str, text: &str, span: &SourceSpan| {
+        let (found, most) = (thousands(text.len()), thousands(MAX_STRING_BYTES));
+        let message = format!("{what} has {found} bytes, expected {most} at most");
+        let diagnostic = Diagnostic::new(Kind::BadPipeline, message).at(span.location());
+        if text.contains('\0') {
+            let diagnostic = Diagnostic::new(Kind::BadPipeline, format!("{what} has a zero character"));
+            return Some(diagnostic.at(span.location()).hint("no path and no name can have it; leave it out"));
+        }
+        (text.len() > MAX_STRING_BYTES).then(|| diagnostic.hint("no path and no name is longer; write a shorter one"))
+    };
+    match value {
+        Value::String(text) => diagnostics.extend(check("the text", text, &node.span)),
+        Value::Object(map) => {
+            for (key, value) in map {
+                let part = node.part(&Step::Key(key.clone()));
+                diagnostics.extend(check("the key", key, part.map_or(&node.span, |part| &part.key)));
+                long_texts(value, part.map_or(node, |part| &part.node), diagnostics);
+            }
+        }
+        Value::Array(list) => {
+            for (i, value) in list.iter().enumerate() {
+                long_texts(value, node.part(&Step::Index(i)).map_or(node, |part| &part.node), diagnostics);
+            }
+        }
+        _ => {}
     }
 }
 
@@ -195,5 +247,37 @@ mod tests {
         let failure = Document::parse(Path::new("a.yaml"), "a: 1\nb: [1, 2\n").unwrap_err();
         let text = failure.to_string();
         assert!(text.starts_with("error: a.yaml:") && text.contains("not valid YAML"), "{text}");
+    }
+
+    #[test]
+    fn texts_that_no_path_and_no_name_can_be_are_found_at_their_places() {
+        let long = "x".repeat(4097);
+        let document = Document::parse(Path::new("a.yaml"), &format!("a: [y,\n  {long}]\n? {long}\n: 1\n")).unwrap();
+        let found: Vec<_> = document.long_texts().list.iter().map(|one| one.to_string()).collect();
+        assert_eq!(found.len(), 2, "{found:?}");
+        assert!(found[0].starts_with("a.yaml:2:3: the text has 4,097 bytes, expected 4,096 at most"), "{found:?}");
+        assert!(found[1].starts_with("a.yaml:3:3: the key has 4,097 bytes"), "{found:?}");
+    }
+
+    #[test]
+    fn texts_that_ask_for_more_than_a_file_may_are_told_the_limit() {
+        let told = |text: &str| Document::parse(Path::new("a.yaml"), text).unwrap_err().to_string();
+        let aliases: String =
+            (1..10).map(|i| format!("a{i}: &a{i} [{}]\n", vec![format!("*a{}", i - 1); 10].join(", "))).collect();
+        let deep = "more than 64 deep";
+        for (text, expected) in [
+            (format!("a0: &a0 [x]\n{aliases}"), "250,000 values"),
+            (format!("a: {}", "[".repeat(100_000)), deep),
+            (format!("a: {}1{}", "[".repeat(100), "]".repeat(100)), deep),
+            ((0..200).map(|i| format!("{}a:\n", " ".repeat(i))).collect(), deep),
+            (format!("a: [{}]", "1, ".repeat(300_000)), "250,000 values"),
+            (format!("# {}\n", "x".repeat(5 << 20)), "4,194,304 at most"),
+            ("a: 1e999\n".into(), "expected a finite number"),
+            ("a: [.inf]\n".into(), "expected a finite number"),
+        ] {
+            let found = told(&text);
+            assert!(found.contains(expected) && found.contains("hint: "), "{found}");
+            assert!(found.starts_with("error: a.yaml"), "{found}");
+        }
     }
 }

@@ -5,6 +5,8 @@ use serde_json::{Map, Value, json};
 use crate::{
     diagnostic::{Diagnostic, Diagnostics, Kind, Location, SET_VALUE},
     document::Document,
+    finite::NOT_FINITE,
+    limits::MAX_PATH_STEPS,
     shapes::Shapes,
     source_tree::{SourceSpan, SpanEntry, SpanTree},
     step::Step,
@@ -69,22 +71,29 @@ pub fn read(setting: &str) -> Result<(Vec<Step>, Value), Unreadable> {
     };
     let hint = "keys are joined by single dots, e.g. `source.rest`";
     let path = split(keys).ok_or(Unreadable { message: "empty key", example: None, hint })?;
-    let hint = "put strings with `:` or `#` in quotes";
-    let value =
-        yaml_value(text).map_err(|_| Unreadable { message: "the value is not valid YAML", example: None, hint })?;
+    let value = yaml_value(text).map_err(|error| match error.to_string() {
+        problem if problem.contains(NOT_FINITE) => {
+            let hint = "write a number below 1e308, or `~` for none";
+            Unreadable { message: "expected a finite number", example: None, hint }
+        }
+        _ => {
+            let hint = "put strings with `:` or `#` in quotes";
+            Unreadable { message: "the value is not valid YAML", example: None, hint }
+        }
+    })?;
     Ok((path, value))
 }
 
-/// The path of `keys` joined by dots; `None` if a key is empty.
+/// The path of `keys` joined by dots; `None` if a key is empty, or there are more than a pipeline has within each other.
 ///
 /// The keys of `matrix` are such paths themselves, so all that follows `matrix.` is one key.
 pub fn split(keys: &str) -> Option<Vec<Step>> {
     let keys = keys.trim();
     let path: Vec<Step> = match keys.strip_prefix("matrix.") {
         Some(key) => vec![Step::Key("matrix".into()), Step::Key(key.into())],
-        None => keys.split('.').map(Step::parse).collect(),
+        None => keys.split('.').take(MAX_PATH_STEPS + 1).map(Step::parse).collect(),
     };
-    (!path.contains(&Step::Key(String::new()))).then_some(path)
+    (path.len() <= MAX_PATH_STEPS && !path.contains(&Step::Key(String::new()))).then_some(path)
 }
 
 /// Why nothing can be put there.
@@ -213,13 +222,21 @@ mod tests {
     }
 
     #[test]
+    fn a_path_has_as_many_keys_as_a_pipeline_has_within_each_other() {
+        assert!(split(&["a"; 64].join(".")).is_some_and(|path| path.len() == 64));
+        assert!(split(&["a"; 65].join(".")).is_none() && split(&"a.".repeat(1 << 20)).is_none());
+    }
+
+    #[test]
     fn what_is_not_understood_names_the_option() {
         assert_eq!(
-            set("a: [1]\nc: x\n", &["a", "a.5=1", "a.b=1", "c.0=1"]).unwrap_err(),
+            set("a: [1]\nc: x\n", &["a", "a.5=1", "a.b=1", "c.0=1", "c=1e999", "c=[1"]).unwrap_err(),
             "a: expected `key=value`\n  hint: e.g. `transfer.type=gradient`\n\
              a.5=1: `a` has 1 item, there is no item 5 (from 0)\n\
              a.b=1: `a` is a sequence, expected a number from 0, found `b`\n\
-             c.0=1: `c` is no sequence, there is no item 0 (from 0)\n  hint: set the whole sequence `c`"
+             c.0=1: `c` is no sequence, there is no item 0 (from 0)\n  hint: set the whole sequence `c`\n\
+             c=1e999: expected a finite number\n  hint: write a number below 1e308, or `~` for none\n\
+             c=[1: the value is not valid YAML\n  hint: put strings with `:` or `#` in quotes"
         );
     }
 }

@@ -2,7 +2,10 @@
 
 use std::path::{Component, Path, PathBuf};
 
-use crate::suggest::did_you_mean;
+use crate::{limits::MAX_STRING_BYTES, suggest::did_you_mean};
+
+/// Files of a folder that are looked at for one with a similar name.
+const MAX_LOOKED_AT: usize = 10_000;
 
 /// `path` as seen from the current folder, when it is written in a file in the folder `base`.
 pub fn from_base(base: &Path, path: &Path) -> PathBuf {
@@ -38,6 +41,10 @@ pub fn stem(path: &Path) -> String {
 ///
 /// Existing files are compared as the system sees them, through links; others by their folder's and their own name.
 pub fn identity(path: &Path) -> PathBuf {
+    // No file has such a path, and its folders are too many to go through.
+    if path.as_os_str().len() > MAX_STRING_BYTES {
+        return path.into();
+    }
     if let Ok(path) = path.canonicalize() {
         return path;
     }
@@ -73,6 +80,7 @@ pub fn similar_file(path: &Path) -> Option<String> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let mut names: Vec<String> = std::fs::read_dir(folder)
         .ok()?
+        .take(MAX_LOOKED_AT)
         .filter_map(|entry| Some(entry.ok()?.file_name().to_string_lossy().into_owned()))
         .filter(|other| *other != name)
         .collect();

@@ -58,7 +58,7 @@ pub fn rephrase(error: &str, key: &str, variants: Option<&Variants>, choices: &[
     let wrong = error.strip_prefix("invalid type: ").or_else(|| error.strip_prefix("invalid value: "));
     if let Some((found, expected)) = wrong.and_then(|wrong| wrong.rsplit_once(", expected ")) {
         let expected = match choices {
-            [] => expectation(expected, variants),
+            [] => expectation(key, expected, variants),
             _ => format!("one of {}", choices.join(", ")),
         };
         return Rephrased::of_value(format!("`{key}`: expected {expected}, found {}", finding(found)), String::new());
@@ -77,7 +77,7 @@ pub fn unknown_type(variants: &Variants, found: &str) -> Rephrased {
     Rephrased::of_value(format!("unknown {kind} `{found}`"), hint)
 }
 
-fn expectation(expected: &str, variants: Option<&Variants>) -> String {
+fn expectation(key: &str, expected: &str, variants: Option<&Variants>) -> String {
     match expected {
         "f64" | "f32" => "a number".into(),
         "u8" | "u16" | "u32" | "u64" | "usize" | "u128" => "a whole number, 0 or more".into(),
@@ -85,6 +85,12 @@ fn expectation(expected: &str, variants: Option<&Variants>) -> String {
         "a string" | "path string" | "string" | "str" | "a borrowed string" => "a string".into(),
         "a boolean" => "true or false".into(),
         "a sequence" => "a sequence".into(),
+        "a map" => "a mapping".into(),
+        // The word that tells settings apart.
+        _ if key == "type" && variants.is_some() => match variants.and_then(|variants| variants.types.first()) {
+            Some(example) => format!("the name of a type, e.g. `{example}`"),
+            None => "the name of a type".into(),
+        },
         // The words of a reader of ours, for a slot that takes more than stages.
         _ if expected.starts_with("a path") => expected.into(),
         _ if expected.starts_with("a nonzero") => "a whole number, 1 or more".into(),

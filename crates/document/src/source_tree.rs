@@ -6,9 +6,10 @@ use std::{
     sync::Arc,
 };
 
+use indexmap::IndexMap;
 use saphyr::{LoadableYamlNode, MarkedYaml, Scalar, YamlData};
 
-use crate::{braces::restored, diagnostic::Location, step::Step};
+use crate::{braces::restored, diagnostic::Location, limits::MAX_SHOWN, step::Step};
 
 /// The text of a file.
 #[derive(Debug)]
@@ -19,6 +20,8 @@ pub struct SourceText {
     pub folder: Arc<Path>,
     /// Its lines.
     pub lines: Vec<String>,
+    /// Whether messages may show its lines.
+    pub is_shown: bool,
 }
 
 /// Line from 1, column from 0 and length, in characters.
@@ -53,8 +56,12 @@ pub struct SpanTree {
     /// The folder that it begins at, if it is a relative path.
     pub folder: Arc<Path>,
     /// What is in it; what YAML merges into it with `<<` has no place of its own.
-    pub parts: Vec<SpanEntry>,
+    pub parts: Parts,
 }
+
+/// The parts of a value, each found by its step.
+#[derive(Clone, Debug, Default)]
+pub struct Parts(IndexMap<Step, SpanEntry>);
 
 /// A key or an item with its value.
 #[derive(Clone, Debug)]
@@ -71,7 +78,20 @@ impl SourceText {
     /// The text of `file`.
     pub fn new(file: &Path, text: &str) -> Arc<Self> {
         let folder = file.parent().unwrap_or(Path::new("")).into();
-        Arc::new(Self { file: file.into(), folder, lines: text.lines().map(str::to_owned).collect() })
+        let lines = text.lines().map(str::to_owned).collect();
+        Arc::new(Self { file: file.into(), folder, lines, is_shown: true })
+    }
+
+    /// The text of `file`, which messages do not show: nobody wrote it for the pipeline.
+    pub fn hidden(file: &Path) -> Arc<Self> {
+        let folder = file.parent().unwrap_or(Path::new("")).into();
+        Arc::new(Self { file: file.into(), folder, lines: vec![], is_shown: false })
+    }
+
+    /// A line from 1, if messages may show it and it is not too long for that.
+    fn shown_line(&self, line: usize) -> Option<&str> {
+        let line = self.lines.get(line.max(1) - 1).map(String::as_str)?;
+        (self.is_shown && line.len() <= MAX_SHOWN).then_some(line)
     }
 }
 
@@ -91,23 +111,39 @@ impl SourceSpan {
             Self::Argument(argument) => Location::Argument(argument.to_string()),
             Self::File(text) => Location::File(text.file.clone()),
             Self::Text(text, span) => {
-                let line = text.lines.get(span.line.max(1) - 1).cloned().unwrap_or_default();
-                let rest = line.chars().skip(span.column).collect::<String>().trim_end().chars().count();
+                let line = text.shown_line(span.line);
+                let rest = line.map_or(usize::MAX, |line| {
+                    line.chars().skip(span.column).collect::<String>().trim_end().chars().count()
+                });
+                // Of a line that is not shown the length of the rest is not known.
+                let length = if line.is_none() && span.length == usize::MAX { 1 } else { span.length };
                 Location::Span {
                     file: text.file.clone(),
                     line: span.line.max(1),
                     column: small(span.column + 1),
-                    length: small(span.length.clamp(1, rest.max(1))),
-                    text: line.into(),
+                    length: small(length.clamp(1, rest.max(1))),
+                    text: line.unwrap_or_default().into(),
                 }
             }
         }
     }
 
+    /// Whether [`location`](Self::location) gives `place`.
+    pub fn is_at(&self, place: &Location) -> bool {
+        let may_be = match (self, place) {
+            (Self::Text(text, span), Location::Span { file, line, column, .. }) => {
+                *line == span.line.max(1) && *column == small(span.column + 1) && text.file == *file
+            }
+            (Self::Text(..), _) => false,
+            _ => true,
+        };
+        may_be && self.location() == *place
+    }
+
     /// The first place of `part` in a value written here, the value itself where it is written in other characters.
     pub fn within(&self, part: &str) -> Self {
         let Self::Text(text, span) = self else { return self.clone() };
-        let line = text.lines.get(span.line.max(1) - 1).map_or("", String::as_str);
+        let line = text.shown_line(span.line).unwrap_or_default();
         let from = line.char_indices().nth(span.column).map_or(line.len(), |(i, _)| i);
         match line[from..].find(part) {
             Some(at) => {
@@ -135,7 +171,7 @@ impl SpanTree {
 
     /// Of a value whose parts have no places of their own.
     pub fn leaf(span: SourceSpan, folder: Arc<Path>) -> Self {
-        Self { span, folder, parts: vec![] }
+        Self { span, folder, parts: Parts::default() }
     }
 
     fn new(text: &Arc<SourceText>, yaml: &MarkedYaml<'_>) -> Self {
@@ -161,44 +197,56 @@ impl SpanTree {
                 list.iter().enumerate().map(part).collect()
             }
             YamlData::Tagged(_, inner) => Self::new(text, inner).parts,
-            _ => vec![],
+            _ => Parts::default(),
         };
         Self { span: at(yaml), folder: text.folder.clone(), parts }
     }
 
     /// Whether it, a part of it, or a key was written at `place`.
     pub fn has(&self, location: &Location) -> bool {
-        self.span.location() == *location
-            || self.parts.iter().any(|part| part.key.location() == *location || part.node.has(location))
+        self.span.is_at(location)
+            || self.parts.into_iter().any(|part| part.key.is_at(location) || part.node.has(location))
     }
 
     /// A part, if it has a place of its own.
     pub fn part(&self, step: &Step) -> Option<&SpanEntry> {
-        self.parts.iter().find(|part| part.step == *step)
+        self.parts.0.get(step)
     }
 
     /// A part, to change it; one that has no place of its own gets that of the whole.
     pub fn part_mut(&mut self, step: &Step) -> &mut SpanEntry {
-        let i = self.parts.iter().position(|part| part.step == *step).unwrap_or_else(|| {
-            let node = Self::leaf(self.span.clone(), self.folder.clone());
-            self.parts.push(SpanEntry { step: step.clone(), key: self.span.clone(), node });
-            self.parts.len() - 1
-        });
-        &mut self.parts[i]
+        let Self { span, folder, parts } = self;
+        parts.0.entry(step.clone()).or_insert_with(|| {
+            let node = Self::leaf(span.clone(), folder.clone());
+            SpanEntry { step: step.clone(), key: span.clone(), node }
+        })
     }
 
     /// Takes a part out; one that has no place of its own comes with that of the whole.
     pub fn take(&mut self, step: &Step) -> SpanEntry {
-        self.part_mut(step);
-        let i = self.parts.iter().position(|part| part.step == *step).unwrap_or_default();
-        self.parts.remove(i)
+        self.parts.0.swap_remove(step).unwrap_or_else(|| {
+            let node = Self::leaf(self.span.clone(), self.folder.clone());
+            SpanEntry { step: step.clone(), key: self.span.clone(), node }
+        })
     }
 
     /// Puts a part in the place of the one of its step, or beside the others.
     pub fn put(&mut self, part: SpanEntry) {
-        match self.parts.iter_mut().find(|other| other.step == part.step) {
-            Some(other) => *other = part,
-            None => self.parts.push(part),
-        }
+        self.parts.0.insert(part.step.clone(), part);
+    }
+}
+
+impl FromIterator<SpanEntry> for Parts {
+    fn from_iter<I: IntoIterator<Item = SpanEntry>>(parts: I) -> Self {
+        Self(parts.into_iter().map(|part| (part.step.clone(), part)).collect())
+    }
+}
+
+impl<'a> IntoIterator for &'a Parts {
+    type Item = &'a SpanEntry;
+    type IntoIter = indexmap::map::Values<'a, Step, SpanEntry>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.0.values()
     }
 }

@@ -5,7 +5,7 @@ use std::fmt;
 use serde_json::Value;
 
 /// One step of a path through a document.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum Step {
     /// Into a map.
     Key(String),

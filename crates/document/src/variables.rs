@@ -1,6 +1,10 @@
 //! `${name}`: a value of `variables`; `${env:NAME}`: a variable of the environment; `$${`: a `${` as it stands.
 
-use std::{collections::BTreeSet, path::Path, sync::Arc};
+use std::{
+    collections::{BTreeSet, HashMap},
+    path::Path,
+    sync::Arc,
+};
 
 use serde_json::Value;
 
@@ -8,6 +12,7 @@ use crate::{
     describe::describe,
     diagnostic::{Diagnostic, Diagnostics, Kind, Location},
     document::Document,
+    limits::{MAX_EXPANDED, MAX_VARIABLE_DEPTH, thousands},
     source_tree::{SourceSpan, SpanTree},
     step::Step,
     suggest::{did_you_mean, nearest},
@@ -53,7 +58,15 @@ pub fn substitute(document: &mut Document) -> Substituted {
         }
         result.defined.push((name.clone(), span.clone()));
     }
-    let mut expander = Expander { values: &values, node: node.as_ref(), result: &mut result, within: vec![] };
+    let mut expander = Expander {
+        values: &values,
+        node: node.as_ref(),
+        result: &mut result,
+        within: vec![],
+        known: HashMap::new(),
+        size: 0,
+        is_full: false,
+    };
     expander.visit(&mut document.value, &mut document.root);
     result
 }
@@ -64,6 +77,29 @@ struct Expander<'a> {
     result: &'a mut Substituted,
     /// The variables whose values are being put in.
     within: Vec<String>,
+    /// Variables whose values are known; `None` for those that have none.
+    known: HashMap<String, Option<Arc<Expanded>>>,
+    /// What was put in so far.
+    size: usize,
+    /// Whether that is more than may be put in: what follows needs no diagnostic.
+    is_full: bool,
+}
+
+/// A value in which variables are put in, and its places.
+struct Expanded {
+    value: Value,
+    node: SpanTree,
+    size: usize,
+}
+
+/// How much room `value` takes: its values, and one for each hundred bytes of text.
+fn size(value: &Value) -> usize {
+    1 + match value {
+        Value::String(text) => text.len() / 100,
+        Value::Array(list) => list.iter().map(size).sum(),
+        Value::Object(map) => map.iter().map(|(key, value)| key.len() / 100 + size(value)).sum(),
+        _ => 0,
+    }
 }
 
 /// A piece of a text.
@@ -175,6 +211,27 @@ impl Expander<'_> {
             self.wrong(node, &written, message, "give one of them a value of its own".into());
             return None;
         }
+        let value = self.expanded(name, value, node);
+        let known = value.filter(|value| self.has_room(value.size, node, &written));
+        match known {
+            Some(value) => Some((value.value.clone(), Some(value.node.clone()))),
+            None => {
+                self.result.suppressed.push(node.span.location());
+                None
+            }
+        }
+    }
+
+    /// The value of the variable `name`, in which others are put in once and for all; `node` uses it.
+    fn expanded(&mut self, name: &str, value: &Value, node: &SpanTree) -> Option<Arc<Expanded>> {
+        if let Some(known) = self.known.get(name) {
+            return known.clone();
+        }
+        if self.within.len() >= MAX_VARIABLE_DEPTH {
+            let message = format!("more than {MAX_VARIABLE_DEPTH} variables use each other in a row");
+            self.wrong(node, &format!("${{{name}}}"), message, "give one of them a value of its own".into());
+            return None;
+        }
         let mut value = value.clone();
         let part = self.node.and_then(|node| node.part(&Step::Key(name.into())));
         let mut from = part.map_or_else(|| node.clone(), |part| part.node.clone());
@@ -182,11 +239,30 @@ impl Expander<'_> {
         let before = self.result.diagnostics.len();
         self.visit(&mut value, &mut from);
         self.within.pop();
-        if self.result.diagnostics.len() > before {
-            self.result.suppressed.push(node.span.location());
-            return None;
+        let is_fine = self.result.diagnostics.len() == before && !self.is_full;
+        let expanded = is_fine.then(|| Arc::new(Expanded { size: size(&value), value, node: from }));
+        self.known.insert(name.into(), expanded.clone());
+        expanded
+    }
+
+    /// Whether another `size` can be put in at `node`, where `written` stands; else there is one diagnostic.
+    fn has_room(&mut self, size: usize, node: &SpanTree, written: &str) -> bool {
+        if self.is_full {
+            return false;
         }
-        Some((value, Some(from)))
+        self.size = self.size.saturating_add(size);
+        if self.size <= MAX_EXPANDED {
+            return true;
+        }
+        let message = format!("variables make more than {} values of the file", thousands(MAX_EXPANDED));
+        self.wrong(
+            node,
+            written,
+            message,
+            "let variables repeat each other less often, and write shorter texts".into(),
+        );
+        self.is_full = true;
+        false
     }
 
     fn wrong(&mut self, node: &SpanTree, part: &str, message: String, hint: String) {
@@ -274,7 +350,37 @@ mod tests {
     #[test]
     fn variables_may_use_others_but_not_in_a_circle() {
         assert_eq!(put_in("variables: { a: x, b: ${a}/y }\nc: ${b}/z\n").0, json!({ "c": "x/y/z" }));
-        let circle = put_in("variables: { a: ${b}, b: '1${a}' }\nc: ${a}\n").1;
+        let circle = put_in("variables: { a: ${b}, b: '1${a}' }\nc: ${a}\nd: ${b}\n").1;
         assert_eq!(circle, ["p.yaml:1:28: variables use each other in a circle: a uses b uses a"]);
+    }
+
+    /// Variables `v0` to `v9`, of which each uses the one before ten times, as `item` repeats it.
+    fn bomb(item: impl Fn(&str) -> String) -> String {
+        let line = |i: usize| match i {
+            0 => "  v0: x\n".to_owned(),
+            i => format!("  v{i}: {}\n", item(&format!("${{v{}}}", i - 1))),
+        };
+        let lines: String = (0..10).map(line).collect();
+        format!("variables:\n{lines}a: ${{v9}}\nb: ${{v9}}\nc: ${{v1}}\n")
+    }
+
+    #[test]
+    fn a_few_variables_cannot_ask_for_endless_work() {
+        for text in [bomb(|one| format!("[{}]", [one; 10].join(", "))), bomb(|one| format!("'{}'", one.repeat(10)))] {
+            let found = put_in(&text).1;
+            assert_eq!(found.len(), 1, "{found:?}");
+            assert!(found[0].ends_with("variables make more than 250,000 values of the file"), "{found:?}");
+        }
+        let chain: String = (1..6000).map(|i| format!("  v{i}: ${{v{}}}\n", i - 1)).collect();
+        let found = put_in(&format!("variables:\n  v0: x\n{chain}a: ${{v5999}}\n")).1;
+        assert_eq!(found.len(), 1, "{found:?}");
+        assert!(found[0].ends_with("more than 64 variables use each other in a row"), "{found:?}");
+    }
+
+    #[test]
+    fn variables_that_others_share_are_put_in_once_and_stand_everywhere() {
+        let text = "variables: { a: x, b: ['${a}', '${a}'], c: [\"${b}\", '${b}'] }\nd: ${c}\ne: ${b}\n";
+        let b = json!(["x", "x"]);
+        assert_eq!(put_in(text).0, json!({ "d": [b, b], "e": b }));
     }
 }

@@ -9,8 +9,9 @@ use std::{
 
 use mimesh_core::{
     Error, Result, memory,
-    stage::{BytesInput, FileInput, ReadAt},
+    stage::{FileInput, ReadAt},
 };
+use mimesh_document::files::open_regular;
 
 /// The folders whose regular files a mesh file may open; links are resolved first.
 ///
@@ -72,20 +73,19 @@ impl FileInput for FileOnDisk<'_> {
 
     fn contents(&self) -> Result<Cow<'_, [u8]>> {
         let failed = |error| Error::read(&self.path, error);
-        let length = fs::metadata(&self.path).map_err(failed)?.len();
+        let mut file = open_regular(&self.path).map_err(failed)?;
+        let length = file.metadata().map_err(failed)?.len();
         memory::need("the file with its mesh", length.saturating_mul(BYTES_OF_A_BYTE))?;
-        Ok(fs::read(&self.path).map_err(failed)?.into())
+        let mut contents = Vec::new();
+        file.read_to_end(&mut contents).map_err(failed)?;
+        Ok(contents.into())
     }
 
     fn open(&self) -> Result<Box<dyn ReadAt>> {
         let failed = |error| Error::read(&self.path, error);
-        let file = fs::File::open(&self.path).map_err(failed)?;
-        let metadata = file.metadata().map_err(failed)?;
-        if metadata.is_file() {
-            return Ok(Box::new(OpenFile { path: self.path.clone(), file, length: metadata.len() }));
-        }
-        // A pipe has no parts.
-        Ok(Box::new(BytesInput::new(&self.path, self.contents()?)))
+        let file = open_regular(&self.path).map_err(failed)?;
+        let length = file.metadata().map_err(failed)?.len();
+        Ok(Box::new(OpenFile { path: self.path.clone(), file, length }))
     }
 
     fn referenced(&self, reference: &str) -> Result<Vec<u8>> {
@@ -158,6 +158,8 @@ fn is_same(a: &fs::Metadata, b: &fs::Metadata) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use mimesh_core::stage::BytesInput;
+
     use super::*;
 
     #[test]
@@ -177,6 +179,16 @@ mod tests {
                 let message = file.read_at(offset, &mut part).unwrap_err().to_string();
                 assert!(message.contains("a.bin"), "{message}");
             }
+        }
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_device_is_not_read() {
+        let reach = Reach::default();
+        let device = FileOnDisk { path: "/dev/zero".into(), reach: &reach };
+        for error in [device.contents().map(drop).unwrap_err(), device.open().map(drop).unwrap_err()] {
+            assert!(error.to_string().contains("it is a device, expected a file"), "{error}");
         }
     }
 

@@ -12,7 +12,10 @@ use mimesh_core::{
     spatial::{MeshUnits, UpAxis},
     stage::{FileInput, Format, MeshWriter, ScenePoint, Selection},
 };
-use mimesh_document::diagnostic::{self, Diagnostic, Kind, Location};
+use mimesh_document::{
+    diagnostic::{self, Diagnostic, Kind, Location},
+    files::check_regular,
+};
 use mimesh_markers::{IntoDiagnostic, ScenePoints};
 use nalgebra::Point3;
 
@@ -125,6 +128,12 @@ impl Formats {
         std::iter::once(path.into()).chain(referenced.filter(|file| input.may_open(file))).collect()
     }
 
+    /// How many vertices the file `path` has, as far as a look at it tells; `None` where only some of its parts are `selected`.
+    pub fn vertex_count(&self, path: &Path, selected: &Selection) -> Option<usize> {
+        let format = self.reader(path).ok().filter(|_| selected.meshes.is_empty())?;
+        format.vertex_count(&self.input(path))
+    }
+
     fn input(&self, path: &Path) -> FileOnDisk<'_> {
         FileOnDisk { path: path.into(), reach: &self.reach }
     }
@@ -145,10 +154,7 @@ impl Formats {
     /// A diagnostic if there is no such file, or no format for it.
     pub fn reader_of(&self, path: &Path) -> diagnostic::Result<&dyn Format> {
         // Of a file that is not there its ending does not matter.
-        let metadata = std::fs::metadata(path).map_err(|error| Error::read(path, error).into_diagnostic())?;
-        if metadata.is_dir() {
-            return Err(Error::read(path, std::io::ErrorKind::IsADirectory.into()).into_diagnostic().into());
-        }
+        check_regular(path).map_err(|error| Error::read(path, error).into_diagnostic())?;
         let unreadable = |unknown: Unknown| Diagnostic::new(Kind::BadData, unknown.message).hint(unknown.hint);
         Ok(self.reader(path).map_err(|unknown| unreadable(unknown).at(Location::File(path.into())))?)
     }

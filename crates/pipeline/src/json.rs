@@ -1,6 +1,8 @@
 //! Plain data as JSON.
 
-use serde::Serialize;
+use std::path::Path;
+
+use serde::{Serialize, Serializer};
 use serde_json::Value;
 
 /// `data` as a JSON value.
@@ -19,4 +21,13 @@ pub fn to_value<T: Serialize + ?Sized>(data: &T) -> Value {
 /// As [`to_value`].
 pub fn to_bytes<T: Serialize + ?Sized>(data: &T) -> Vec<u8> {
     serde_json::to_vec(data).expect("settings and reports serialise to JSON")
+}
+
+/// A path as a text of JSON, with a mark in place of what is no Unicode.
+///
+/// # Errors
+///
+/// Those of the serialiser.
+pub fn path<S: Serializer>(path: &Path, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(&path.to_string_lossy())
 }

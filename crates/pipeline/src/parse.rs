@@ -17,6 +17,9 @@ use crate::{
     spec::Pipeline,
 };
 
+/// Unknown keys that are told one by one.
+const MAX_UNKNOWN: usize = 100;
+
 /// Remedy: list the types of all stages.
 pub const LIST_TYPES: &str = "list_types";
 
@@ -108,14 +111,19 @@ impl Slots<'_> {
     fn check_unknown(&mut self) {
         let slots = slots();
         let known: Vec<&'static str> = COMPOSITION_KEYS.into_iter().chain(slots.iter().copied()).collect();
-        for key in self.document.value.as_object().into_iter().flat_map(|map| map.keys()) {
-            if slots.contains(&key.as_str()) {
-                continue;
+        let keys = self.document.value.as_object().into_iter().flat_map(|map| map.keys());
+        let unknown: Vec<&String> = keys.filter(|key| !slots.contains(&key.as_str())).collect();
+        for (i, key) in unknown.iter().enumerate() {
+            if i == MAX_UNKNOWN {
+                let at = [Step::Key(key.to_string())];
+                let message = format!("{} more unknown keys begin here", unknown.len() - i);
+                self.diagnostics.push(self.document.diagnostic(&at, At::Key, message).hint("is it a pipeline?"));
+                break;
             }
             let meant = nearest(key, &known).filter(|meant| slots.contains(meant));
             self.suggested.extend(meant);
             let hint = did_you_mean(key, &known).unwrap_or_else(|| format!("known keys: {}", known.join(", ")));
-            let at = [Step::Key(key.clone())];
+            let at = [Step::Key(key.to_string())];
             let message = format!("unknown key `{key}`");
             self.diagnostics.push(self.document.diagnostic(&at, At::Key, message).hint(hint));
         }

@@ -1,5 +1,7 @@
 //! Numbers, sizes and tables as people read them.
 
+use std::borrow::Cow;
+
 /// A number with four significant digits, without an exponent where it can be avoided.
 pub fn number(value: f64) -> String {
     if value == 0.0 {
@@ -49,11 +51,21 @@ pub fn bytes(size: u64) -> String {
 
 /// Rows as comma-separated values.
 pub fn csv(rows: &[Vec<String>]) -> String {
-    let quoted = |cell: &String| match cell.contains(['"', ',', '\n', '\r']) {
-        true => format!("\"{}\"", cell.replace('"', "\"\"")),
-        false => cell.clone(),
+    let quoted = |cell: &String| {
+        let cell = without_formula(cell);
+        match cell.contains(['"', ',', '\n', '\r']) {
+            true => format!("\"{}\"", cell.replace('"', "\"\"")),
+            false => cell.into_owned(),
+        }
     };
     rows.iter().map(|row| row.iter().map(quoted).collect::<Vec<_>>().join(",") + "\n").collect()
+}
+
+/// `cell` with an apostrophe before what programs for tables would compute, such as `=1+1`; names in it come from strangers' files.
+fn without_formula(cell: &str) -> Cow<'_, str> {
+    let is_formula =
+        cell.trim_start_matches(' ').starts_with(['=', '+', '-', '@', '\t', '\r', '\n', '＝', '＋', '－', '＠']);
+    if is_formula && cell.parse::<f64>().is_err() { format!("'{cell}").into() } else { cell.into() }
 }
 
 /// Rows as a table of a page, the first as its heading; columns from `numbers` on are flush right.
@@ -157,5 +169,12 @@ mod tests {
     fn columns_of_tables_are_flush() {
         let rows = vec![vec!["pose".into(), "mean".into()], vec!["long name".into(), "1".into()]];
         assert_eq!(table(&rows), "  pose       mean\n  long name     1\n");
+    }
+
+    #[test]
+    fn cells_are_no_formulas() {
+        let cells = ["=1+1", "+1", "-2.5e-3", "-x", "@a", "\tb", " =c", "＝d", "e=f", "=\"g\",h", "-"];
+        let row = cells.map(str::to_owned).to_vec();
+        assert_eq!(csv(&[row]), "'=1+1,+1,-2.5e-3,'-x,'@a,'\tb,' =c,'＝d,e=f,\"'=\"\"g\"\",h\",'-\n");
     }
 }

@@ -15,6 +15,7 @@
 
 mod attributes;
 mod clip_frames;
+mod counts;
 mod encoding;
 mod extras;
 mod fbx;

@@ -103,7 +103,7 @@ fn row(heading: &str, cells: impl Iterator<Item = String>) -> Vec<String> {
 fn as_json(files: &[PathBuf], runs: &[ComparedRun]) -> Value {
     let run_json = |(file, run): (&PathBuf, &ComparedRun)| {
         json!({
-            "name": run.name, "place": file, "run": run.report.run, "status": run.report.status,
+            "name": run.name, "place": terminal::shown(file), "run": run.report.run, "status": run.report.status,
             "verdict": run.report.verdict, "markers": run.report.markers, "seconds": run.report.seconds,
             "metrics": run.report.metrics,
         })

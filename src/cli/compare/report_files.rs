@@ -2,9 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use mimesh_core::Error;
-use mimesh_document::diagnostic::{Diagnostic, Kind, Location, Result};
-use mimesh_markers::IntoDiagnostic;
+use mimesh_document::{
+    diagnostic::{Diagnostic, Kind, Location, Result},
+    files::{read_text, why_no_file},
+};
 use mimesh_pipeline::{Report, globs};
 
 /// The hint for a report that is missing.
@@ -40,7 +41,7 @@ pub fn find_all(patterns: &[String]) -> Result<Vec<PathBuf>> {
 ///
 /// A diagnostic if the file cannot be read, or is not a report.
 pub fn read(file: &Path) -> Result<Report> {
-    let text = std::fs::read_to_string(file).map_err(|error| Error::read(file, error).into_diagnostic())?;
+    let text = read_text(file)?;
     let report = serde_json::from_str(&text).map_err(|error| {
         Diagnostic::new(Kind::BadData, format!("not the report of a run: {error}"))
             .at(Location::File(file.into()))
@@ -52,7 +53,7 @@ pub fn read(file: &Path) -> Result<Report> {
 /// Finds the reports of one pattern, at least one.
 fn find(pattern: &str) -> Result<Vec<PathBuf>> {
     let mut matches = globs::expand(Path::new(""), pattern)
-        .map_err(|problem| Diagnostic::new(Kind::Usage, format!("`{pattern}` is not a glob: {problem}")))?;
+        .map_err(|refused| Diagnostic::new(Kind::Usage, refused.message).hint(refused.hint))?;
     if globs::is_glob(pattern) {
         // A glob may match folders, whose reports are added here.
         for report in ["run.json", "run-*.json"] {
@@ -69,7 +70,7 @@ fn find(pattern: &str) -> Result<Vec<PathBuf>> {
         }
     }
     let message = match files.iter().find(|file| !file.is_file()) {
-        Some(missing) => format!("no such file: {}", missing.display()),
+        Some(missing) => why_no_file(missing).map(|(message, _)| message).unwrap_or_default(),
         None if files.is_empty() => format!("no file matches `{pattern}`"),
         None => return Ok(files),
     };

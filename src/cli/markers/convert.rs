@@ -64,7 +64,7 @@ impl Convert {
         if self.common.json {
             terminal::print_json(&json!({
                 "markers": attached.markers.pairs.len(), "notes": notes_json(&attached.notes),
-                "source": side_json(&attached, 0), "target": side_json(&attached, 1), "written": written,
+                "source": side_json(&attached, 0), "target": side_json(&attached, 1), "written": terminal::all_shown(&written),
             }));
         } else {
             let mut text = format!("{}\n", count(attached.markers.pairs.len(), "marker", "markers"));

@@ -74,7 +74,7 @@ impl Mirror {
             };
             terminal::print_json(&json!({
                 "markers": names.len(), "added": added, "on_plane": on_plane, "with_partner": paired, "left": left,
-                "pairs": mirrored.outcomes.iter().enumerate().map(pair).collect::<Vec<_>>(), "written": written,
+                "pairs": mirrored.outcomes.iter().enumerate().map(pair).collect::<Vec<_>>(), "written": terminal::all_shown(&written),
             }));
         } else {
             let mut text = format!(

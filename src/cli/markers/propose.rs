@@ -171,7 +171,7 @@ impl Propose {
         let written: Vec<PathBuf> = staging::write_all(&contents)?.into_iter().map(|file| file.path).collect();
         if self.json {
             terminal::print_json(&json!({
-                "pairs": proposal.pairs, "figures": proposal.figures, "clicks": clicks.len(), "written": written,
+                "pairs": proposal.pairs, "figures": proposal.figures, "clicks": clicks.len(), "written": terminal::all_shown(&written),
             }));
         } else if self.output.is_none() {
             terminal::print(&yaml(&file, Path::new("pairs.yaml"), &meshes)?);

@@ -82,7 +82,7 @@ impl Reattach {
             };
             let sides: serde_json::Map<String, serde_json::Value> =
                 sides.map(|(side, moves)| (side.to_owned(), moves.iter().map(move_json).collect())).collect();
-            terminal::print_json(&json!({ "points": sides, "written": written }));
+            terminal::print_json(&json!({ "points": sides, "written": terminal::all_shown(written) }));
             return Ok(());
         }
         let mut text = String::new();

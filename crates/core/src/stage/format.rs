@@ -68,6 +68,11 @@ pub trait Format: Debug + Send + Sync {
         Ok(pose.positions)
     }
 
+    /// How many vertices [`read`](Self::read) would give of the whole file, as far as a look at its header or its lines tells.
+    fn vertex_count(&self, _input: &dyn FileInput) -> Option<usize> {
+        None
+    }
+
     /// The references to other files that [`read`](Self::read) opens, whether these exist or not; none if the file cannot be read.
     ///
     /// A cached result depends on the contents of each of them.

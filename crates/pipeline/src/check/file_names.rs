@@ -11,11 +11,8 @@ use mimesh_document::{At, Location, Step};
 use super::findings::{Findings, Scope};
 use crate::{
     input::PoseInput,
-    placeholder::{POSE, is_reserved},
+    placeholder::{MAX_NAME, POSE, is_reserved},
 };
-
-/// What the file systems in use take for a name, in bytes.
-pub(super) const MAX_NAME: usize = 255;
 
 /// Names in a message about many.
 const MAX_LISTED: usize = 5;

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use mimesh_core::Error;
-use mimesh_document::{At, Diagnostic, Diagnostics, Document, Kind, Location, Step, paths};
+use mimesh_document::{At, Diagnostic, Diagnostics, Document, Kind, Location, Step, files::why_no_file, paths};
 use serde_json::Value;
 
 use crate::{choices::Choice, formats::Formats, input::InputFile};
@@ -40,7 +40,8 @@ impl Scope<'_> {
 
     /// Whether `error` is about a setting of the stage at `at` that has a diagnostic already.
     pub fn is_reported(&self, error: &Error, at: &[Step]) -> bool {
-        matches!(error, Error::Setting { .. }) && self.rejected.iter().any(|rejected| rejected.starts_with(at))
+        matches!(error, Error::Setting { .. })
+            && self.rejected.iter().any(|rejected| rejected.starts_with(at) || at.starts_with(rejected))
     }
 }
 
@@ -74,7 +75,7 @@ impl Findings {
 
     /// Notes that `path` and the files that it names are read; `false`, and a diagnostic at `at`, if there is no such file.
     pub fn input(&mut self, scope: Scope<'_>, role: &'static str, path: &Path, at: &[Step]) -> bool {
-        if path.is_file() {
+        let Some((message, hint)) = why_no_file(path) else {
             self.inputs.push(InputFile { role, path: path.into() });
             // Several files may share one that they name; that it is missing is reported when they are read.
             for path in scope.formats.files(path).into_iter().filter(|file| file != path && file.is_file()) {
@@ -84,18 +85,13 @@ impl Findings {
                 }
             }
             return true;
-        }
-        if path.is_dir() {
-            let hint = "name a file in it; `*.obj` in quotes stands for all of a kind";
-            self.missing(scope, at, format!("{} is a folder, expected a file", path.display()), hint);
-        } else {
-            let base = match scope.document.location(at, At::Value) {
-                Location::Argument(_) => "the current folder",
-                _ => "the folder of the pipeline's file",
-            };
-            let hint = paths::similar_file(path).unwrap_or_else(|| format!("paths are relative to {base}"));
-            self.missing(scope, at, format!("no such file: {}", path.display()), hint);
-        }
+        };
+        let base = match scope.document.location(at, At::Value) {
+            Location::Argument(_) => "the current folder",
+            _ => "the folder of the pipeline's file",
+        };
+        let hint = hint.unwrap_or_else(|| format!("paths are relative to {base}"));
+        self.missing(scope, at, message, hint);
         false
     }
 

@@ -65,6 +65,9 @@ fn lacks_truth(scope: Scope<'_>, truth: &GroundTruth) -> bool {
     truth.is_none() && scope.document.value.get("truth").is_none() && !made
 }
 
+/// Gates of a pipeline.
+const MAX_GATES: usize = 1000;
+
 /// The gates on what is measured.
 pub(super) fn gates(
     scope: Scope<'_>,
@@ -73,6 +76,11 @@ pub(super) fn gates(
     metrics: &[Box<dyn Metric>],
     truth: &GroundTruth,
 ) -> Vec<Gate> {
+    if declared.len() > MAX_GATES {
+        let message = format!("{} gates, expected {MAX_GATES} at most", declared.len());
+        found.wrong(scope, &path(["gates"]), At::Value, message, "metrics have fewer statistics");
+        return vec![];
+    }
     let (gates, unknown) = metrics::gates(declared, metrics);
     for Unknown { key, known } in unknown {
         let hint = unknown_gate(&key, &known);

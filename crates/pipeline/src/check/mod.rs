@@ -24,6 +24,7 @@ mod shapes;
 mod shared;
 mod stages;
 mod units;
+mod vertex_counts;
 mod writable;
 
 pub use common::Options;
@@ -31,3 +32,4 @@ pub use held_poses::NAME_POSES;
 pub use parts::{OTHER_MESHES, prepare_meshes, prepare_posed_meshes, prepare_source};
 pub use rest_meshes::in_file;
 pub use runs::{prepare_all, prepare_document};
+pub use vertex_counts::other_vertex_counts;

@@ -18,6 +18,7 @@ use super::{
     rest_meshes::{at_file, in_file, rest_mesh},
     seams::{self, SeamCache},
     units,
+    vertex_counts::all_others,
 };
 use crate::{
     globs::{expand, is_glob, nearby},
@@ -62,6 +63,15 @@ pub(super) fn source(
         }
     };
     let poses = with_unique_names(scope, found, poses);
+    if let Some(mesh) = &mesh
+        && !poses.iter().any(|pose| matches!(pose.from, PoseFrom::Held(_)))
+    {
+        let files = poses.iter().filter_map(|pose| match &pose.from {
+            PoseFrom::File(file) => Some(file.as_path()),
+            PoseFrom::Held(_) => None,
+        });
+        found.diagnostics.extend(all_others(scope.formats, files, mesh));
+    }
     let pose = source.rest.as_ref().and_then(|rest| rest.pose.as_deref());
     let mesh = match (mesh, pose) {
         (Some(mesh), Some(name)) => resting_at(scope, found, mesh, &poses, name),
@@ -191,9 +201,8 @@ fn matching(
 ) -> Vec<crate::globs::GlobMatch> {
     let files = match expand(scope.document.folder(at), pattern) {
         Ok(files) => files,
-        Err(problem) => {
-            let message = format!("`{pattern}` is no glob: {problem}");
-            found.wrong(scope, at, At::Value, message, "e.g. `horse-??.obj`");
+        Err(refused) => {
+            found.wrong(scope, at, At::Value, refused.message, refused.hint);
             return vec![];
         }
     };

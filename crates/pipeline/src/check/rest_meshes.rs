@@ -69,7 +69,9 @@ pub(super) fn rest_mesh(
         (None, None) => {
             let slot = scope.document.value.get(name).and_then(|slot| slot.as_object());
             // A wrong `rest` has a diagnostic of its own, and so has a missing slot.
-            if slot.is_some_and(|slot| !slot.contains_key("rest") && !slot.contains_key("generator")) {
+            let has =
+                |slot: &serde_json::Map<_, serde_json::Value>, key| slot.get(key).is_some_and(|value| !value.is_null());
+            if slot.is_some_and(|slot| !has(slot, "rest") && !has(slot, "generator")) {
                 let hint = format!("name the mesh, e.g. `{name}: {{ rest: mesh.obj }}`");
                 let message = format!("the {name} has neither `rest` nor `generator`");
                 found.wrong(scope, &path([name]), At::Value, message, hint);

@@ -1,8 +1,8 @@
 //! The names of the results of shapes.
 
-use std::{collections::HashMap, fs, path::Path};
+use std::{collections::HashMap, path::Path};
 
-use mimesh_document::{At, path, suggest::did_you_mean};
+use mimesh_document::{At, files::read_text, path, suggest::did_you_mean};
 
 use super::{
     findings::Findings,
@@ -67,7 +67,8 @@ pub(super) fn rename(patterns: &Patterns<'_>, found: &mut Findings, settings: &S
 /// The two columns of a CSV file.
 fn table(file: &Path) -> Result<Vec<(String, String)>, Problem> {
     let hint = || "each line has the name of a shape and that of its result, e.g. `jawOpen,MouthOpen`".to_owned();
-    let text = fs::read_to_string(file).map_err(|error| (format!("{}: {error}", file.display()), hint()))?;
+    let text = read_text(file)
+        .map_err(|problem| (format!("{}: {}", file.display(), problem.message), problem.hint.unwrap_or_else(hint)))?;
     let mut reader = csv::ReaderBuilder::new()
         .has_headers(false)
         .flexible(true)

@@ -10,13 +10,17 @@ use mimesh_document::{At, Diagnostic, Kind, Location, Step, paths::identity};
 use mimesh_markers::OTHER_OUTPUT_FOLDER;
 
 use super::{
-    file_names::{MAX_NAME, too_long},
+    file_names::too_long,
     findings::{Findings, Scope},
 };
 use crate::{
     input::{InputFile, Prepared},
+    placeholder::MAX_NAME,
     staging::not_a_file,
 };
+
+/// What the system takes for a path, in bytes, less what the name of a temporary file may have more than that of its place.
+const MAX_PATH: usize = 4095 - 32;
 
 /// The folder for results that was given beside the file.
 #[derive(Debug)]
@@ -67,6 +71,18 @@ impl<'a> WritableFiles<'a> {
         };
         if name.len() > MAX_NAME || file.file_name().is_some_and(is_refused) {
             return Some(of_file(too_long(&name)).hint("give the file a shorter name"));
+        }
+        let folders = file.parent().into_iter().flat_map(Path::components);
+        if let Some(folder) = folders.map(|part| part.as_os_str()).find(|part| part.len() > MAX_NAME) {
+            let start: String = folder.to_string_lossy().chars().take(40).collect();
+            let bytes = folder.len();
+            let message =
+                format!("the name `{start}…` of a folder has {bytes} bytes, and file systems take {MAX_NAME}");
+            return Some(of_file(message).hint("give the folder a shorter name"));
+        }
+        if file.as_os_str().len() > MAX_PATH {
+            let message = format!("the path has {} bytes, and the system takes {MAX_PATH}", file.as_os_str().len());
+            return Some(of_file(message).hint("write into a folder that lies less deep"));
         }
         let identity = identity(file);
         if let Some(role) = self.inputs.get(&identity) {
@@ -129,7 +145,8 @@ impl<'a> WritableFiles<'a> {
 
 /// The nearest folder around `file` that exists.
 fn existing_folder(file: &Path) -> &Path {
-    let exists = |folder: &&Path| folder.as_os_str().is_empty() || folder.exists();
+    // A link that leads nowhere is there too.
+    let exists = |folder: &&Path| folder.as_os_str().is_empty() || folder.symlink_metadata().is_ok();
     match file.ancestors().skip(1).find(exists) {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),

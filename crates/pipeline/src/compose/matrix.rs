@@ -15,7 +15,10 @@ use crate::{
 };
 
 /// More runs than this are taken for a slip.
-const MAX_RUNS: usize = 10_000;
+pub(super) const MAX_RUNS: usize = 10_000;
+
+/// Keys that vary at once.
+const MAX_KEYS: usize = 64;
 
 /// One key of `matrix` with its values.
 #[derive(Debug)]
@@ -66,6 +69,18 @@ pub(super) fn take(document: &mut Document, diagnostics: &mut Diagnostics) -> Op
         document.take("matrix");
         return Some(vec![]);
     };
+    let runs =
+        map.values().filter_map(Value::as_array).try_fold(1usize, |runs, list| runs.checked_mul(list.len().max(1)));
+    let too_many = match runs {
+        _ if map.len() > MAX_KEYS => Some(format!("{} keys, expected {MAX_KEYS} at most", map.len())),
+        Some(runs) if runs <= MAX_RUNS => None,
+        _ => Some(format!("more than {MAX_RUNS} combinations")),
+    };
+    if let Some(message) = too_many {
+        diagnostics.push(document.diagnostic(&at, At::Key, message).hint("vary fewer keys at once, or fewer values"));
+        document.take("matrix");
+        return Some(vec![]);
+    }
     let short = names::short(&map.keys().cloned().collect::<Vec<_>>());
     let mut axes = Vec::new();
     for ((key, value), short) in map.iter().zip(short) {
@@ -131,12 +146,6 @@ pub(super) fn take(document: &mut Document, diagnostics: &mut Diagnostics) -> Op
             values.push((value.clone(), SpanEntry { step: Step::Index(0), key, node: node_at(document, &at) }, name));
         }
         axes.push(Axis { key: key.clone(), path, short, values });
-    }
-    let runs = axes.iter().try_fold(1usize, |runs, axis| runs.checked_mul(axis.values.len()));
-    if runs.is_none_or(|runs| runs > MAX_RUNS) {
-        let message = format!("more than {MAX_RUNS} combinations");
-        diagnostics.push(document.diagnostic(&at, At::Key, message).hint("vary fewer keys at once, or fewer values"));
-        axes.clear();
     }
     document.take("matrix");
     Some(axes)

@@ -19,7 +19,9 @@ pub use variant::Variant;
 use mimesh_document::{
     At, Document, Step,
     diagnostic::{Diagnostic, Diagnostics, Kind, Location, Result, SET_VALUE},
-    include, overrides, path,
+    include,
+    limits::thousands,
+    overrides, path,
     source_tree::SourceSpan,
     suggest::did_you_mean,
     variables::{self, Substituted},
@@ -28,7 +30,7 @@ use mimesh_document::{
 use serde_json::Value;
 
 use self::{
-    matrix::{Axis, Combination},
+    matrix::{Axis, Combination, MAX_RUNS},
     placeholders::OutputPattern,
     targets::{MESH, OneTarget},
 };
@@ -80,6 +82,7 @@ pub fn compose(file: &Path, settings: &[String]) -> Result<Runs> {
 pub fn compose_document(mut whole: Document, included: Vec<PathBuf>, settings: &[String]) -> Result<Runs> {
     let (of_whole, of_runs) = sort(settings);
     overrides::apply(&mut whole, &of_whole, &PipelineShapes)?;
+    whole.long_texts().into_result()?;
     // A matrix set to nothing is an empty one.
     let at = [Step::Key("matrix".into())];
     if whole.get(&at).is_some_and(Value::is_null) && matches!(whole.span(&at, At::Value), SourceSpan::Setting(_)) {
@@ -130,6 +133,7 @@ pub fn compose_part_of(
     read: &[&str],
 ) -> Result<Part> {
     overrides::apply(&mut document, settings, &PipelineShapes)?;
+    document.long_texts().into_result()?;
     let mut ignored = Diagnostics::default();
     matrix::take(&mut document, &mut ignored);
     let targets = targets::take(&mut document, &mut ignored).unwrap_or_default();
@@ -141,9 +145,22 @@ pub fn compose_part_of(
         document.take(slot);
     }
     variables::substitute(&mut document).diagnostics.into_result()?;
+    document.long_texts().into_result()?;
     document.value = type_first(std::mem::take(&mut document.value));
     merge_slot_defaults(&mut document);
     Ok(Part { document, included, targets: targets.into_iter().map(|target| target.name).collect() })
+}
+
+/// Values of all runs of a file together, which are held at once.
+const MAX_VALUES: usize = 1_000_000;
+
+/// How many values there are in `value`, with itself.
+fn count(value: &Value) -> usize {
+    1 + match value {
+        Value::Array(list) => list.iter().map(count).sum(),
+        Value::Object(map) => map.values().map(count).sum(),
+        _ => 0,
+    }
 }
 
 struct Expansion<'a> {
@@ -162,6 +179,7 @@ impl Expansion<'_> {
             Some([]) | None => vec![None],
             Some(targets) => targets.iter().map(Some).collect(),
         };
+        self.check_size(targets.len().saturating_mul(combinations.len()))?;
         let declared = [self.targets.is_some(), self.axes.is_some()];
         let (mut runs, mut written, mut suppressed) = (Vec::new(), Vec::<OutputPattern>::new(), Vec::new());
         let mut variables = Variables::default();
@@ -177,6 +195,8 @@ impl Expansion<'_> {
                 let mut document = of_target.clone();
                 diagnostics.extend(matrix::apply(&mut document, axes, combination));
                 let found = variables::substitute(&mut document);
+                // Nothing else is to be done with such texts.
+                document.long_texts().into_result()?;
                 let variant = self.variant(target, combination);
                 written.extend(placeholders::fill(&mut document, &variant, runs.len(), declared, &mut diagnostics));
                 document.value = type_first(std::mem::take(&mut document.value));
@@ -199,6 +219,25 @@ impl Expansion<'_> {
         }
         diagnostics.deduplicate();
         Ok(Runs { runs, included, diagnostics, suppressed, warnings })
+    }
+
+    /// Refuses more `runs`, or larger ones, than a file can be meant to have.
+    fn check_size(&self, runs: usize) -> Result<()> {
+        let values = count(&self.whole.value).saturating_mul(runs);
+        let message = if runs > MAX_RUNS {
+            format!("the file has {} runs, expected {} at most", thousands(runs), thousands(MAX_RUNS))
+        } else if values > MAX_VALUES {
+            let most = thousands(MAX_VALUES);
+            format!(
+                "the {} runs of the file have {} values, expected {most} at most",
+                thousands(runs),
+                thousands(values)
+            )
+        } else {
+            return Ok(());
+        };
+        let diagnostic = Diagnostic::new(Kind::BadPipeline, message).at(Location::File(self.whole.file.clone()));
+        Err(diagnostic.hint("name fewer targets, vary fewer keys at once, or fewer values").into())
     }
 
     fn variant(&self, target: Option<&OneTarget>, combination: &Combination) -> Variant {

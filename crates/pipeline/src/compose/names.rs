@@ -2,6 +2,8 @@
 
 use serde_json::Value;
 
+use crate::placeholder::{MAX_NAME, is_refused, is_reserved};
+
 /// Longer texts are cut in names.
 const MAX_LENGTH: usize = 40;
 
@@ -13,7 +15,13 @@ pub(super) fn refused(name: &str) -> Option<String> {
     if name.starts_with('.') {
         return Some("it begins with a dot".into());
     }
-    let refused = name.chars().find(|c| c.is_control() || "/\\:*?\"<>|{}".contains(*c))?;
+    if is_reserved(name) {
+        return Some("Windows keeps this name for itself".into());
+    }
+    if name.len() > MAX_NAME {
+        return Some(format!("it has {} bytes, and file systems take {MAX_NAME}", name.len()));
+    }
+    let refused = name.chars().find(|c| is_refused(*c) || "{}".contains(*c))?;
     Some(format!("it has `{}`", refused.escape_default()))
 }
 
@@ -25,7 +33,7 @@ pub fn short(keys: &[String]) -> Vec<String> {
     };
     let all: Vec<Vec<String>> = keys.iter().map(ends).collect();
     let alone = |i: usize, end: &String| all.iter().enumerate().all(|(j, other)| i == j || !other.contains(end));
-    let one = |(i, ends): (usize, &Vec<String>)| ends.iter().find(|end| alone(i, end)).unwrap_or(&keys[i]).clone();
+    let one = |(i, ends): (usize, &Vec<String>)| file_safe(ends.iter().find(|end| alone(i, end)).unwrap_or(&keys[i]));
     all.iter().enumerate().map(one).collect()
 }
 
@@ -69,6 +77,8 @@ mod tests {
         assert_eq!(names(&["transfer.deformer.lambda", "correspondence.sampling"]), ["lambda", "sampling"]);
         assert_eq!(names(&["transfer.type", "correspondence.type"]), ["transfer.type", "correspondence.type"]);
         assert_eq!(names(&["transfer", "a.transfer"]), ["transfer", "a.transfer"]);
+        assert_eq!(names(&["shapes.rename.a/../b"]), ["b"]);
+        assert_eq!(names(&["shapes.rename.x\\y/z"]), ["x-y-z"]);
     }
 
     #[test]
@@ -82,8 +92,9 @@ mod tests {
     #[test]
     fn names_that_no_file_can_have_are_refused() {
         assert_eq!(
-            ["camel", "", ".x", "a/b", "größe"].map(|name| refused(name).is_some()),
-            [false, true, true, true, false]
+            ["camel", "", ".x", "a/b", "größe", "CON", "..", "a\\b", "a\0", "\u{202e}a"]
+                .map(|name| refused(name).is_some()),
+            [false, true, true, true, false, true, true, true, true, true]
         );
     }
 }

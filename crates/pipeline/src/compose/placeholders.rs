@@ -1,5 +1,6 @@
 //! `{target}`, `{matrix}` and `{name}` in the names of files, and where they have to be.
 
+use indexmap::IndexMap;
 use mimesh_document::{
     At, Document, Step,
     diagnostic::{Diagnostic, Diagnostics, Kind, Location},
@@ -20,6 +21,9 @@ pub(super) struct OutputPattern {
     /// The number of the run.
     run: usize,
 }
+
+/// Files and patterns that one slot may name.
+const MAX_FILES: usize = 1000;
 
 /// What the name is of one of several that is the only one.
 const ALONE: &str = "default";
@@ -49,6 +53,15 @@ pub(super) fn fill(
             Some(Value::Object(map)) => map.keys().map(|key| within(Step::Key(key.clone()))).collect(),
             _ => vec![slot.clone()],
         };
+        if at.len() > MAX_FILES {
+            let message = format!("{} files or patterns, expected {MAX_FILES} at most", at.len());
+            let hint = "name them by one pattern, e.g. `out/{pose}.obj`";
+            diagnostics.push(document.diagnostic(&slot, At::Value, message).hint(hint));
+            if let Some(value) = document.get_mut(&slot) {
+                *value = Value::Array(vec![]);
+            }
+            continue;
+        }
         for at in at {
             let Some(Value::String(pattern)) = document.get(&at).cloned() else { continue };
             let span = document.span(&at, At::Value).clone();
@@ -81,15 +94,16 @@ pub(super) fn fill(
 /// Patterns by which several runs would write the same file.
 pub(super) fn needed(written: &[OutputPattern], variants: &[Variant]) -> Vec<Diagnostic> {
     let mut diagnostics = Vec::new();
-    let mut seen: Vec<(Location, &str)> = Vec::new();
+    if variants.len() < 2 {
+        return diagnostics;
+    }
+    // The runs of each pattern, in the order of the file.
+    let mut groups: IndexMap<(Location, &str), Vec<&Variant>> = IndexMap::new();
     for one in written {
-        let location = one.span.location();
-        if seen.contains(&(location.clone(), &one.pattern)) {
-            continue;
-        }
-        let same = |other: &&OutputPattern| other.pattern == one.pattern && other.span.location() == location;
-        let runs: Vec<&Variant> = written.iter().filter(same).map(|other| &variants[other.run]).collect();
-        let names = placeholders(&one.pattern);
+        groups.entry((one.span.location(), &one.pattern)).or_default().push(&variants[one.run]);
+    }
+    for ((location, pattern), runs) in groups {
+        let names = placeholders(pattern);
         let differ = |of: fn(&Variant) -> &Option<String>| runs.iter().any(|run| of(run) != of(runs[0]));
         let lacks = |name: &str| !names.contains(&name) && !names.contains(&"name");
         let target = differ(|run| &run.target) && lacks("target");
@@ -102,10 +116,9 @@ pub(super) fn needed(written: &[OutputPattern], variants: &[Variant]) -> Vec<Dia
         };
         if !needs.is_empty() {
             let message = format!("there are several {why}, so the name of what is written needs `{needs}`");
-            let hint = format!("e.g. `{}`", with(&one.pattern, needs));
-            diagnostics.push(Diagnostic::new(Kind::BadPipeline, message).at(location.clone()).hint(hint));
+            let hint = format!("e.g. `{}`", with(pattern, needs));
+            diagnostics.push(Diagnostic::new(Kind::BadPipeline, message).at(location).hint(hint));
         }
-        seen.push((location, &one.pattern));
     }
     diagnostics
 }

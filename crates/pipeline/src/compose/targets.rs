@@ -1,5 +1,7 @@
 //! `targets`: several meshes in place of `target`, each with what differs for it.
 
+use std::collections::HashMap;
+
 use mimesh_document::{
     At, Document, Step, describe,
     diagnostic::Diagnostics,
@@ -50,6 +52,7 @@ pub(super) fn take(document: &mut Document, diagnostics: &mut Diagnostics) -> Op
         diagnostics.push(document.diagnostic(&path(["target"]), At::Key, "`target` beside `targets`").hint(hint));
     }
     let mut targets = Vec::new();
+    let mut by_letters: HashMap<String, &String> = HashMap::new();
     for (name, entry) in map {
         let at = [&at[..], &[Step::Key(name.clone())]].concat();
         if let Some(problem) = refused(name) {
@@ -57,6 +60,12 @@ pub(super) fn take(document: &mut Document, diagnostics: &mut Diagnostics) -> Op
             diagnostics.push(
                 document.diagnostic(&at, At::Key, format!("`{name}` cannot name a target: {problem}")).hint(hint),
             );
+        }
+        if let Some(other) = by_letters.insert(name.to_lowercase(), name) {
+            let message = format!(
+                "`{other}` and `{name}` differ in capitals alone, and Windows and macOS take them for one name"
+            );
+            diagnostics.push(document.diagnostic(&at, At::Key, message).hint("give one of the two another name"));
         }
         match entry {
             Value::Object(entry) => {

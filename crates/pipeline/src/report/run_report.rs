@@ -27,9 +27,10 @@ pub struct Report {
     /// `done`, or `partly` if some poses failed.
     pub status: String,
     /// The pipeline's file.
+    #[serde(serialize_with = "crate::json::path")]
     pub pipeline: PathBuf,
     /// The file that the run wrote this report into; empty in reports of older versions.
-    #[serde(default)]
+    #[serde(default, serialize_with = "crate::json::path")]
     pub place: PathBuf,
     /// Which of its runs this was, if it declares several.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -130,6 +131,7 @@ pub struct InputReport {
     /// What it is.
     pub role: String,
     /// The file.
+    #[serde(serialize_with = "crate::json::path")]
     pub path: PathBuf,
     /// Its size.
     pub bytes: u64,

@@ -137,14 +137,14 @@ impl Results {
                 RunOutcome::Report(report) => (to_value(report), vec![]),
                 RunOutcome::Failed(diagnostics) => (Value::Null, diagnostics.iter().map(Diagnostic::to_json).collect()),
             };
-            let place = report.is_object().then_some(&row.place);
+            let place = report.is_object().then(|| row.place.to_string_lossy());
             json!({
                 "name": row.variant.name, "target": row.variant.target, "matrix": matrix, "status": row.status(),
                 "seconds": row.seconds, "metrics": row.metrics(), "mistakes": diagnostics, "place": place, "report": report,
             })
         };
         json!({
-            "mimesh": env!("CARGO_PKG_VERSION"), "status": self.status(), "pipeline": self.pipeline,
+            "mimesh": env!("CARGO_PKG_VERSION"), "status": self.status(), "pipeline": self.pipeline.to_string_lossy(),
             "runs": self.rows.iter().map(row).collect::<Vec<_>>(),
         })
     }

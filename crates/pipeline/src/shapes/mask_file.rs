@@ -1,7 +1,8 @@
 //! Masks in files, as the studio paints them.
 
-use std::{fs, path::Path};
+use std::path::Path;
 
+use mimesh_document::files::read_text;
 use serde::Deserialize;
 
 /// What the file of a mask holds; the mesh that it was painted on is for people.
@@ -18,7 +19,8 @@ struct MaskFile {
 pub fn read_mask(file: &Path, count: usize) -> Result<Vec<f64>, (String, String)> {
     let at = file.display();
     let hint = || "paint it in the studio, or write { \"weights\": [ … ] } with one number for each vertex".to_owned();
-    let text = fs::read_to_string(file).map_err(|error| (format!("{at}: {error}"), hint()))?;
+    let text =
+        read_text(file).map_err(|problem| (format!("{at}: {}", problem.message), problem.hint.unwrap_or_else(hint)))?;
     let MaskFile { weights } = serde_json::from_str(&text).map_err(|error| (format!("{at}: {error}"), hint()))?;
     let weights = weights.ok_or_else(|| (format!("{at} has no `weights`"), hint()))?;
     if weights.len() != count {

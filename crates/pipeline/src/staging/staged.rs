@@ -31,6 +31,7 @@ pub struct Staged {
 #[derive(Clone, Debug, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
 pub struct WrittenFile {
     /// The file.
+    #[serde(serialize_with = "crate::json::path")]
     pub path: PathBuf,
     /// Its size.
     pub bytes: u64,

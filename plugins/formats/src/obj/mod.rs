@@ -27,7 +27,7 @@ use nalgebra::Point3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::{encoding::utf8, lost};
+use crate::{counts, encoding::utf8, lost};
 use document::ObjDocument;
 
 register!(Format: Obj);
@@ -56,6 +56,10 @@ impl Format for Obj {
 
     fn recognises(&self, start: &[u8], _: u64) -> Option<bool> {
         Some(signature::is_obj(start))
+    }
+
+    fn vertex_count(&self, input: &dyn FileInput) -> Option<usize> {
+        counts::of_obj(input)
     }
 
     fn read(&self, input: &dyn FileInput, selection: &Selection) -> Result<MeshSequence> {

@@ -15,7 +15,7 @@ use nalgebra::Point3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::{encoding::utf8, lost};
+use crate::{counts, encoding::utf8, lost};
 
 register!(Format: Off);
 
@@ -34,6 +34,10 @@ impl Format for Off {
 
     fn recognises(&self, start: &[u8], _: u64) -> Option<bool> {
         Some(reader::is_off(start))
+    }
+
+    fn vertex_count(&self, input: &dyn FileInput) -> Option<usize> {
+        counts::of_off(input)
     }
 
     fn read(&self, input: &dyn FileInput, _: &Selection) -> Result<MeshSequence> {

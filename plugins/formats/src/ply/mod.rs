@@ -22,7 +22,7 @@ use nalgebra::Point3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::lost;
+use crate::{counts, lost};
 
 register!(Format: Ply);
 
@@ -72,6 +72,10 @@ impl Format for Ply {
     fn recognises(&self, start: &[u8], _: u64) -> Option<bool> {
         let bytes = start.strip_prefix(b"\xef\xbb\xbf").unwrap_or(start);
         Some(bytes.strip_prefix(b"ply").is_some_and(|rest| rest.starts_with(b"\n") || rest.starts_with(b"\r")))
+    }
+
+    fn vertex_count(&self, input: &dyn FileInput) -> Option<usize> {
+        counts::of_ply(input)
     }
 
     fn read(&self, input: &dyn FileInput, _: &Selection) -> Result<MeshSequence> {
