@@ -47,6 +47,7 @@ export function stagesPanel(studio: Studio): HTMLElement {
         void studio.pipeline.set(change.path, change.value);
       },
       unset: (path) => void studio.pipeline.unset(path),
+      parse,
       redraw: () => {
         redrawn.value = redrawn.peek() + 1;
       },
@@ -60,6 +61,17 @@ export function stagesPanel(studio: Studio): HTMLElement {
     keepFocus(form, () => fill(form, ...topLevel(host, fields)));
   });
   return h('div', { class: 'stages' }, form, yamlEditor(studio));
+}
+
+/** Asks the server, which reads YAML as it reads the pipeline. */
+async function parse(text: string): Promise<{ value: Json } | { problem: string }> {
+  try {
+    return { value: (await api.yaml(text)) as Json };
+  } catch (error) {
+    return {
+      problem: `${describeError(error).message} Write e.g. { clip: Run, fps: 24 }, [a, b] or a text in quotes.`,
+    };
+  }
 }
 
 /** Stages and mappings, then the plain settings. */

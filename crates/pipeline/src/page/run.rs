@@ -7,7 +7,7 @@ use super::{
     curves::curves,
     elements::{Image, PanelImages, document, figure},
     facts,
-    next_steps::next_steps,
+    next_steps::next_steps_section,
     poses,
     scene::View3d,
     view_3d,
@@ -45,7 +45,7 @@ pub fn page(report: &Report, pictures: &Pictures, help: &HelpCommands) -> String
             (facts::head(report, &title))
             (poses::meaning(report))
             (poses::shared(report))
-            (next_steps(report, help))
+            (next_steps_section(report, help))
             @if let Some(view) = &pictures.view_3d { (view_3d::section(view)) }
             (poses::worst(report, &pictures.worst))
             (poses::table(report))
