@@ -49,7 +49,7 @@ impl Worst {
             limit: reason.limit,
             level: reason.level,
             about: reason.about.clone().or_else(|| reason.note.clone()),
-            vertex: measured.and_then(|measured| worst_vertex(measured, &reason.metric)),
+            vertex: named_vertex(reason).or_else(|| worst_vertex(measured?, &reason.metric)),
             words: reason.words(),
             meaning: declared_statistic(&reason.metric, &reason.statistic).map_or("", |statistic| statistic.meaning),
         }
@@ -83,6 +83,11 @@ impl Worst {
     fn ratio(&self) -> f64 {
         self.value.map_or(f64::INFINITY, |value| value.abs() / self.limit.abs().max(1e-12))
     }
+}
+
+/// The vertex of the target's file that a reason names, as `around vertex 12`.
+fn named_vertex(reason: &Reason) -> Option<usize> {
+    reason.about.as_ref()?.strip_prefix("around vertex ")?.parse().ok()
 }
 
 /// The vertex of the target's file at which a metric shows the largest number.

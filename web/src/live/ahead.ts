@@ -27,6 +27,8 @@ export function playableStep(ahead: Ahead | null, present: Present): number | nu
 /** What is still to be done before results can be played, e.g. "preparing the result: 12 of 30 frames". */
 export function preparation(ahead: Ahead | null, present: Present): string {
   if (!isOf(ahead, present)) return 'the result is being prepared';
+  // What is being checked will have a result.
+  if (ahead.error?.code === 'not_found') return `no result yet: ${ahead.error.message}`;
   if (ahead.error) return `no result: ${ahead.error.message}`;
   return `preparing the result: ${ahead.done} of ${ahead.count} frames`;
 }

@@ -18,8 +18,9 @@ export class Player {
   constructor(studio: Studio) {
     this.studio = studio;
     effect(() => {
+      // A change of the session while it plays must not begin a second round beside the first.
+      cancelAnimationFrame(this.request);
       if (studio.live.playing.value) this.begin();
-      else cancelAnimationFrame(this.request);
     });
   }
 

@@ -141,15 +141,17 @@ function saving(studio: Studio, painter: Painter): HTMLElement {
   const name = h('input', { id, type: 'text', spellcheck: 'false', maxlength: 60 });
   const state = h('span', { class: 'muted' });
   const use = h('div', { class: 'use' });
+  /** The file of what is painted, if it is of the kind that is chosen. */
+  const present = () => (painter.saved.value?.kind === painter.kind.value ? painter.saved.value : null);
   effect(() => {
-    state.textContent = painter.unsaved.value ? 'not saved yet' : painter.saved.value ? 'saved' : '';
+    state.textContent = painter.unsaved.value ? 'not saved yet' : present() ? 'saved' : '';
   });
   // Each kind has a name of its own, so that one does not take the other's file.
   effect(() => {
-    name.value = painter.saved.value?.name ?? USUAL_NAMES[painter.kind.value];
+    name.value = present()?.name ?? USUAL_NAMES[painter.kind.value];
   });
   effect(() => {
-    const mask = painter.saved.value;
+    const mask = present();
     fill(use, ...(mask ? useOf(studio, painter, mask) : []));
   });
 

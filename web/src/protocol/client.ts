@@ -109,8 +109,8 @@ export const api = {
     send<Pipeline>('POST', '/api/pipeline/set', { base, path, value }),
   undoPipeline: (base: number) => send<Pipeline>('POST', '/api/pipeline/undo', { base }),
   redoPipeline: (base: number) => send<Pipeline>('POST', '/api/pipeline/redo', { base }),
-  /** The value of a text in YAML. */
-  yaml: async (text: string) => (await send<{ value: unknown }>('POST', '/api/yaml', { text })).value,
+  /** The value of a text in YAML, or what is wrong with it. */
+  yaml: (text: string) => send<{ value: unknown; problem: string | null }>('POST', '/api/yaml', { text }),
   unsetValue: (base: number, path: Step[]) => send<Pipeline>('POST', '/api/pipeline/unset', { base, path }),
   run: () => send<Job>('POST', '/api/run', {}),
   jobs: () => get<Job[]>('/api/jobs'),

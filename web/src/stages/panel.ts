@@ -1,5 +1,5 @@
 import type { Studio } from '../app/studio.ts';
-import { api, describeError } from '../protocol/client.ts';
+import { api, describeError, sentence } from '../protocol/client.ts';
 import { fill, h } from '../ui/dom.ts';
 import { effect, signal } from '../ui/signal.ts';
 import { assignment } from './assign.ts';
@@ -66,11 +66,11 @@ export function stagesPanel(studio: Studio): HTMLElement {
 /** Asks the server, which reads YAML as it reads the pipeline. */
 async function parse(text: string): Promise<{ value: Json } | { problem: string }> {
   try {
-    return { value: (await api.yaml(text)) as Json };
+    const { value, problem } = await api.yaml(text);
+    if (problem === null) return { value: value as Json };
+    return { problem: `${sentence(problem)} Write e.g. { clip: Run, fps: 24 }, [a, b] or a text in quotes.` };
   } catch (error) {
-    return {
-      problem: `${describeError(error).message} Write e.g. { clip: Run, fps: 24 }, [a, b] or a text in quotes.`,
-    };
+    return { problem: describeError(error).message };
   }
 }
 

@@ -146,9 +146,9 @@ export class MockServer {
     if (route === 'GET /api/pipeline') return send(200, project.pipeline());
     if (route === 'POST /api/yaml') {
       try {
-        return send(200, { value: YAML.parse(json.text) });
+        return send(200, { value: YAML.parse(json.text), problem: null });
       } catch {
-        return fail(422, 'this is no YAML');
+        return send(200, { value: null, problem: 'this is no YAML' });
       }
     }
     if (/^(PUT|POST) \/api\/pipeline/.test(route)) {

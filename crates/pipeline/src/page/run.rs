@@ -78,6 +78,12 @@ fn sheet(images: &[Image], poses: usize) -> Markup {
             @if images.len() < poses { (images.len()) " of " (poses) " poses, spread over all of them. " }
             "Source and result are seen from the same side. What is seen from the back is dark red."
         }
-        div.sheet { @for image in images { (figure(image)) } }
+        div.sheet tabindex="0" {
+            @for image in images {
+                // Its panels are squares beside each other.
+                @let panels = image.size[0] / image.size[1].max(1);
+                div style=(format!("--panels: {panels}")) { (figure(image)) }
+            }
+        }
     }
 }

@@ -92,9 +92,9 @@ fn stages_of(ready: &Ready) -> Value {
 ///
 /// [`Code::NotFound`] while the pipeline has mistakes, and if it has no transfer.
 pub fn can_have_result(project: &Project) -> Result<Arc<Ready>> {
-    let ready = project.ready().ok_or_else(|| {
-        ApiError::new(Code::NotFound, "the pipeline has mistakes, or is still being checked")
-            .hint("look at the pipeline")
+    let ready = project.ready().ok_or_else(|| match project.pipeline.is_checking() {
+        true => ApiError::new(Code::NotFound, "the pipeline is being checked"),
+        false => ApiError::new(Code::NotFound, "the pipeline has mistakes").hint("look at the pipeline under Stages"),
     })?;
     if ready.prepared.pipeline.transfer.is_none() {
         return Err(ApiError::new(Code::NotFound, "the pipeline has no transfer"));

@@ -128,6 +128,12 @@ impl PipelineStore {
         self.lock().revision
     }
 
+    /// Whether the check of the present text is under way.
+    pub fn is_checking(&self) -> bool {
+        let state = self.lock();
+        state.checked_revision != state.revision
+    }
+
     /// The pipeline with what it includes, and the included files; with the revision.
     ///
     /// # Errors

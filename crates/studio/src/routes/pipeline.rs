@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 
 use super::answer::{App, blocking, json, with_status};
 use crate::{
-    error::{ApiError, Code, PathStep, Result},
+    error::{PathStep, Result},
     events::Cause,
     project::Project,
     studio::Studio,
@@ -96,9 +96,9 @@ pub(super) struct Text {
     text: String,
 }
 
-/// The value of a text in YAML, as the pipeline would read it.
+/// The value of a text in YAML, as the pipeline would read it, or what is wrong with the text: that is an answer, too.
 pub(super) async fn yaml(JsonBody(Text { text }): JsonBody<Text>) -> Result<Response> {
-    let value = yaml_value(&text)
-        .map_err(|error| ApiError::new(Code::Unprocessable, format!("this is no YAML: {}", error.without_snippet())))?;
-    Ok(json(&json!({ "value": value })))
+    let read = yaml_value(&text).map_err(|error| error.without_snippet().to_string());
+    let problem = read.as_ref().err().map(|problem| format!("this is no YAML: {problem}"));
+    Ok(json(&json!({ "value": read.unwrap_or_default(), "problem": problem })))
 }
