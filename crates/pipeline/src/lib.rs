@@ -48,7 +48,9 @@ pub mod staging;
 mod testing;
 pub mod text;
 
-pub use check::{Options, prepare_all, prepare_document, prepare_meshes, prepare_posed_meshes, prepare_source};
+pub use check::{
+    Options, check_text, prepare_all, prepare_document, prepare_meshes, prepare_posed_meshes, prepare_source,
+};
 pub use file_on_disk::Reach;
 pub use formats::Formats;
 pub use input::{Prepared, PreparedSource};

@@ -131,7 +131,7 @@ pub struct Source {
     /// A pose is called what the wildcards stand for, else like its file. A file that holds poses gives all of them, its morph targets
     /// or else its clip. `{ clip: Run, fps: 24 }` are frames of a clip, of the rest's file or another. Files that have the vertices of
     /// the rest but other polygons are `{ files: 'horse-??.obj', same_vertices: true }`. Left out, the poses are the morph targets of
-    /// the rest's file.
+    /// the rest's file, or else its first clip that lasts.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("examples" = ["horse-??.obj", { "clip": "Run", "fps": 24 }]))]
     pub poses: Option<Poses>,

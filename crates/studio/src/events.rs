@@ -5,7 +5,7 @@ use std::sync::Arc;
 use serde::Serialize;
 
 use crate::{
-    error::ApiError, jobs::JobView, markers::MarkersView, pipeline::PipelineView, project::SessionView, shared,
+    error::ApiError, job::JobView, markers::MarkersView, pipeline::PipelineView, project::SessionView, shared,
     worst::Worst,
 };
 
@@ -99,6 +99,23 @@ pub enum Message {
         revision: u64,
         /// Statistics above their limits, worst first.
         list: Vec<Worst>,
+    },
+    /// How many frames of the clip have a result that can be played.
+    Ahead {
+        /// The revision of the markers.
+        revision: u64,
+        /// The revision of the pipeline.
+        pipeline: u64,
+        /// How many are there.
+        done: usize,
+        /// How many there will be.
+        count: usize,
+        /// How far they lie apart: 1 if all frames are among them.
+        step: usize,
+        /// The colour map that they have.
+        scalar: Option<String>,
+        /// Why there will be no more.
+        error: Option<ApiError>,
     },
     /// A message of the page made no sense.
     Error {

@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 use crate::{
     container::{self, Numbers},
     durable,
-    error::{ApiError, Result},
+    error::{ApiError, Code, Result},
     markers::Side,
     project::Project,
 };
@@ -58,8 +58,8 @@ impl Project {
     ///
     /// # Errors
     ///
-    /// For another number of vertices, and weights out of range.
-    pub fn put_weights(&self, side: Side, name: &str, weights: &[f32]) -> Result<Mask> {
+    /// For another number of vertices, weights out of range, and a mask of the name that is there, unless it may be `replaced`.
+    pub fn put_weights(&self, side: Side, name: &str, weights: &[f32], replaced: bool) -> Result<Mask> {
         let count = self.meshes.sides[side.index()].sequence.rest.positions.len();
         if weights.len() != count {
             let message = format!("{} weights, the {} has {count} vertices", weights.len(), side.role());
@@ -68,22 +68,22 @@ impl Project {
         if let Some(i) = weights.iter().position(|weight| !(0.0..=1.0).contains(weight)) {
             return Err(ApiError::bad(format!("the weight of vertex {i}: expected 0 to 1, found {}", weights[i])));
         }
-        self.put_mask(side, name, json!({ "weights": weights }))
+        self.put_mask(side, name, json!({ "weights": weights }), replaced)
     }
 
     /// Saves names of components of a side.
     ///
     /// # Errors
     ///
-    /// For a component that the side does not have.
-    pub fn put_components(&self, side: Side, name: &str, components: &[String]) -> Result<Mask> {
+    /// For a component that the side does not have, and a mask of the name that is there, unless it may be `replaced`.
+    pub fn put_components(&self, side: Side, name: &str, components: &[String], replaced: bool) -> Result<Mask> {
         let known = self.meshes.component_names(side.index());
         if let Some(unknown) = components.iter().find(|name| !known.contains(name)) {
             return Err(ApiError::bad(format!("the {} has no component `{unknown}`", side.role())));
         }
         // Pipelines read weights, which stay right when components are named anew.
         let weights = self.meshes.weights_of_components(side.index(), components);
-        self.put_mask(side, name, json!({ "components": components, "weights": weights }))
+        self.put_mask(side, name, json!({ "components": components, "weights": weights }), replaced)
     }
 
     /// The mask as weights of vertices, in a container.
@@ -95,8 +95,7 @@ impl Project {
         let file = self.mask_file(side, name)?;
         let missing = || ApiError::not_found(format!("there is no mask `{name}` of the {}", side.role()));
         let text = fs::read_to_string(&file).map_err(|_| missing())?;
-        let wrong =
-            |what: String| ApiError::new(crate::error::Code::Unprocessable, format!("{}: {what}", file.display()));
+        let wrong = |what: String| ApiError::new(Code::Unprocessable, format!("{}: {what}", file.display()));
         let MaskFile { weights, components } = serde_json::from_str(&text).map_err(|error| wrong(error.to_string()))?;
         let count = self.meshes.sides[side.index()].sequence.rest.positions.len();
         let weights = match (weights, components) {
@@ -121,8 +120,13 @@ impl Project {
             .map_err(|_| ApiError::not_found(format!("there is no mask `{name}` of the {}", side.role())))
     }
 
-    fn put_mask(&self, side: Side, name: &str, contents: Value) -> Result<Mask> {
+    fn put_mask(&self, side: Side, name: &str, contents: Value, replaced: bool) -> Result<Mask> {
         let file = self.mask_file(side, name)?;
+        if !replaced && file.exists() {
+            let of = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
+            let message = format!("`{of}` is there already");
+            return Err(ApiError::new(Code::Conflict, message).hint("choose another name, or replace it"));
+        }
         let mesh = &self.meshes.sides[side.index()];
         let of = mesh.path.as_ref().and_then(|path| path.file_name()).map(|name| name.to_string_lossy().into_owned());
         let mut whole = json!({ "mesh": of, "vertices": mesh.sequence.rest.positions.len() });

@@ -63,6 +63,15 @@ impl Meshes {
         Self { sides, origins, references: OnceLock::new(), target_paths: OnceLock::new() }
     }
 
+    /// Whether points of markers on these meshes are points on `other` too: both rest alike, with the same triangles.
+    pub fn are_like(&self, other: &Self) -> bool {
+        self.for_markers().into_iter().zip(other.for_markers()).all(|(a, b)| {
+            a.mesh.positions == b.mesh.positions
+                && a.surface.triangles == b.surface.triangles
+                && a.surface.vertex_of == b.surface.vertex_of
+        })
+    }
+
     /// The meshes that points of markers lie on.
     pub fn for_markers(&self) -> [MarkerMesh<'_>; 2] {
         MeshRole::BOTH.map(|role| self.sides[role.index()].as_in_file(role))

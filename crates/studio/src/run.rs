@@ -11,9 +11,10 @@ use serde_json::{Value, json};
 
 use crate::{
     error::{ApiError, Code, Result},
-    jobs::{Job, JobKind, JobView, Outcome},
+    job::{Job, JobKind, JobView, Outcome},
     project::Project,
     studio::Studio,
+    summary::Summary,
     worst::Worst,
 };
 
@@ -32,6 +33,11 @@ impl Studio {
     fn run_all(&self, project: &Project, job: &Job) -> Result<Outcome> {
         job.begin("reading");
         project.pipeline.save_new();
+        let pipeline = project.pipeline.revision();
+        let (markers, pairs) = project.markers.pairs();
+        // Files number pairs without a name by their places.
+        let number_at =
+            |place: usize| pairs.get(place).filter(|pair| pair.content.name.is_none()).map(|pair| pair.number);
         let cache = self.context.cache.as_ref();
         let all = prepare_all(project.pipeline.file(), &self.context.options(project.pipeline.file()), cache)?;
         let mut warnings = Vec::new();
@@ -63,7 +69,9 @@ impl Studio {
             "verdict": verdict,
             "written": written.iter().map(|path| written_view(path)).collect::<Vec<_>>(),
             "report": if reports.len() == 1 { json!(one) } else { json!(reports) },
-            "worst": prepared.map(|prepared| worst(one, prepared)).unwrap_or_default(),
+            "summary": Summary::new(one, &(self.context.help)(project.pipeline.file())),
+            "of": { "project": project.number, "markers": markers, "pipeline": pipeline },
+            "worst": prepared.map(|prepared| worst(one, prepared, number_at)).unwrap_or_default(),
         });
         self.allow_written(written);
         Ok(Outcome { warnings, result: Some(result) })
@@ -93,10 +101,11 @@ fn escaped(path: &Path) -> String {
 }
 
 /// All statistics above their limits, worst first.
-fn worst(report: &Report, prepared: &Prepared) -> Vec<Worst> {
+fn worst(report: &Report, prepared: &Prepared, number_at: impl Fn(usize) -> Option<usize>) -> Vec<Worst> {
     let of_rest = report.rest_verdict.iter().flat_map(|verdict| verdict.reasons.iter().map(|reason| (None, reason)));
     let of_poses = report.poses.iter().enumerate().flat_map(|(i, pose)| {
         pose.verdict.iter().flat_map(move |verdict| verdict.reasons.iter().map(move |reason| (Some(i), reason)))
     });
-    Worst::sorted(of_rest.chain(of_poses).map(|(pose, reason)| Worst::new(pose, reason, prepared, None)).collect())
+    let one = |(pose, reason)| Worst::new(pose, reason, prepared, None).renumbered(&number_at);
+    Worst::sorted(of_rest.chain(of_poses).map(one).collect())
 }

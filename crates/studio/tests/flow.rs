@@ -121,6 +121,8 @@ fn the_pipeline_is_changed_by_value_and_by_text() {
     };
     let answer = set(&checked["revision"], json!(["transfer", "type"]), json!("gradien"));
     assert_eq!(answer.status, 200);
+    // What the text alone shows is told with the answer, whatever the check of the whole pipeline takes.
+    assert_eq!(answer.json()["diagnostics"][0]["path"], json!(["transfer", "type"]), "{:#}", answer.json());
     let wrong = client.wait("/api/pipeline", |pipeline| {
         pipeline["checking"] == false && pipeline["revision"] == answer.json()["revision"]
     });
@@ -154,6 +156,15 @@ fn a_run_writes_what_the_pipeline_says() {
     let written = done["result"]["written"].as_array().unwrap();
     assert!(written.len() >= 3, "{written:?}");
     assert!(folder.path().join("out/b-a-1.obj").exists() || folder.path().join("out/b-1.obj").exists(), "{written:?}");
+    // The sentences of the report, and what the run was of.
+    let summary = &done["result"]["summary"];
+    let total = summary["total"].as_str().unwrap();
+    assert_eq!(total == "good", summary["things"] == 0, "{summary:#}");
+    assert!(!summary["next_steps"].as_array().unwrap().is_empty(), "{summary:#}");
+    let worst = done["result"]["worst"].as_array().unwrap();
+    assert!(worst.iter().all(|one| one["meaning"].as_str().is_some_and(|text| !text.is_empty())), "{worst:#?}");
+    assert_eq!(done["result"]["of"]["markers"], client.markers()["revision"]);
+    assert_eq!(done["result"]["of"]["pipeline"], client.get("/api/pipeline").json()["revision"]);
     let url = written[0]["url"].as_str().unwrap();
     let file = client.get(url);
     assert_eq!((file.status, file.body.len() as u64), (200, written[0]["bytes"].as_u64().unwrap()));
@@ -177,7 +188,12 @@ fn masks_are_saved_beside_the_pipeline() {
     assert_eq!(back[back.len() - 4 * 162..], bytes[bytes.len() - 4 * 162..]);
     assert_eq!(client.send_bytes("PUT", "/api/masks/target/x", &bytes).status, 400, "of another number of vertices");
     let parts = client.session()["target"]["components"][0]["name"].clone();
-    assert_eq!(client.send("PUT", "/api/masks/target/hard/components", &json!({ "components": [parts] })).status, 200);
+    let hard = json!({ "components": [parts] });
+    assert_eq!(client.send("PUT", "/api/masks/target/hard/components", &hard).status, 200);
+    // A file that is there is replaced only where that is wanted.
+    let again = client.send("PUT", "/api/masks/target/hard/components", &hard);
+    assert_eq!((again.status, again.json()["error"]["code"].clone()), (409, json!("conflict")));
+    assert_eq!(client.send("PUT", "/api/masks/target/hard/components?replace=true", &hard).status, 200);
     assert_eq!(client.send("PUT", "/api/masks/target/hard/components", &json!({ "components": ["no"] })).status, 400);
     let masks = client.get("/api/masks").json();
     assert_eq!(masks["masks"].as_array().unwrap().len(), 2);
@@ -216,4 +232,95 @@ fn what_to_do_next_is_told() {
     client.edit("2", json!([{ "op": "status", "pair": next["pair"], "status": "skipped" }]));
     let next = client.get("/api/markers/next").json();
     assert_ne!(next["kind"], "partner", "{next}");
+}
+
+#[test]
+fn points_and_settings_have_one_history() {
+    let folder = tempfile::tempdir().unwrap();
+    let client = opened(folder.path());
+    let pipeline = || client.get("/api/pipeline").json();
+    let orders = || (client.markers()["undo_order"].as_u64(), pipeline()["undo_order"].as_u64());
+    assert_eq!(orders(), (None, None));
+    client.edit("1", json!([{ "op": "add", "source": vertex(1), "target": vertex(1) }]));
+    // The server names the file of markers, which is no step of the user's.
+    assert!(pipeline()["text"].as_str().unwrap().contains("markers: p.markers.yaml"));
+    assert!(pipeline()["undo"].is_null());
+    let set = |path: Value, value: Value| {
+        let body = json!({ "base": pipeline()["revision"], "path": path, "value": value });
+        assert_eq!(client.post("/api/pipeline/set", body).status, 200);
+    };
+    set(json!(["transfer", "type"]), json!("biharmonic"));
+    let (markers, settings) = orders();
+    assert!(settings > markers, "{markers:?} {settings:?}");
+    assert_eq!(pipeline()["undo"], "set transfer.type to biharmonic");
+    assert_eq!(client.markers()["undo"], "add a pair");
+    let undone = client.post("/api/pipeline/undo", json!({ "base": pipeline()["revision"] }));
+    assert_eq!(undone.status, 200);
+    let text = undone.json()["text"].as_str().unwrap().to_owned();
+    assert!(text.contains("type: gradient") && text.contains("markers: p.markers.yaml"), "{text}");
+    assert_eq!(undone.json()["redo"], "set transfer.type to biharmonic");
+    assert_eq!(fs::read_to_string(folder.path().join("p.yaml")).unwrap(), text);
+    // An old revision and an empty history are refused.
+    assert_eq!(client.post("/api/pipeline/undo", json!({ "base": 1 })).status, 409);
+    assert_eq!(client.post("/api/pipeline/undo", json!({ "base": pipeline()["revision"] })).status, 409);
+    // A new step of one document ends what the other could do again.
+    client.edit("2", json!([{ "op": "rename", "pair": 1, "name": "nose" }]));
+    assert!(pipeline()["redo"].is_null());
+}
+
+#[test]
+fn numbers_of_points_stay_when_others_go() {
+    let folder = tempfile::tempdir().unwrap();
+    let client = opened(folder.path());
+    for v in 0..4 {
+        client.edit(&format!("a{v}"), json!([{ "op": "add", "source": vertex(v), "target": vertex(v) }]));
+    }
+    client.edit("d", json!([{ "op": "delete", "pair": 2 }]));
+    client.edit("n", json!([{ "op": "add", "source": vertex(9), "target": vertex(9) }]));
+    let numbers = || {
+        let pairs = client.markers()["pairs"].as_array().unwrap().clone();
+        pairs.iter().map(|pair| pair["number"].as_u64().unwrap()).collect::<Vec<_>>()
+    };
+    assert_eq!(numbers(), [1, 3, 4, 5]);
+    client.edit("m", json!([{ "op": "move", "pair": 3, "side": "target", "point": vertex(30) }]));
+    assert_eq!(client.markers()["undo"], "move point 3");
+    for _ in 0..3 {
+        client.post("/api/markers/undo", json!({ "base": client.markers()["revision"] }));
+    }
+    assert_eq!(numbers(), [1, 2, 3, 4]);
+}
+
+#[test]
+fn other_poses_of_the_same_meshes_leave_the_points_and_their_history() {
+    let folder = tempfile::tempdir().unwrap();
+    let client = opened(folder.path());
+    client.edit("1", json!([{ "op": "add", "name": "nose", "source": vertex(1), "target": vertex(1) }]));
+    let project = client.project();
+    let set = |key: &str, value: Value| {
+        let base = client.get("/api/pipeline").json()["revision"].clone();
+        client.post("/api/pipeline/set", json!({ "base": base, "path": ["source", key], "value": value })).json()
+    };
+    set("poses", json!(["a-2.obj"]));
+    assert_ne!(client.project(), project);
+    assert_eq!(client.session()["poses"]["list"].as_array().unwrap().len(), 1);
+    let markers = client.markers();
+    assert_eq!((&markers["pairs"][0]["id"], &markers["undo"]), (&json!(1), &json!("add nose")));
+    assert_eq!(client.get("/api/pipeline").json()["undo"], "set source.poses to [a-2.obj]");
+    // What cannot be opened is told with the answer, and the meshes from before stay.
+    let answer = set("rest", json!("missing.obj"));
+    assert!(answer["diagnostics"][0]["message"].as_str().unwrap().contains("missing.obj"), "{answer:#}");
+    assert_eq!(client.session()["poses"]["list"].as_array().unwrap().len(), 1);
+}
+
+#[test]
+fn texts_of_forms_are_read_as_yaml() {
+    let folder = tempfile::tempdir().unwrap();
+    let client = opened(folder.path());
+    let read = |text: &str| client.post("/api/yaml", json!({ "text": text }));
+    assert_eq!(read("{ clip: Run, fps: 24 }").json()["value"], json!({ "clip": "Run", "fps": 24 }));
+    assert_eq!(read("[a-{pose}.obj, \"b c\"]").json()["value"], json!(["a-{pose}.obj", "b c"]));
+    assert_eq!(read("a.obj").json()["value"], "a.obj");
+    assert!(read("a.obj").json()["problem"].is_null());
+    let wrong = read("{ clip: Run").json();
+    assert!(wrong["problem"].as_str().unwrap().starts_with("this is no YAML: "), "{wrong}");
 }

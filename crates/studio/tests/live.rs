@@ -223,3 +223,38 @@ async fn floods_and_large_messages_close_the_socket_alone() {
     let status = tokio::task::spawn_blocking(move || client.get("/api/session").status).await.unwrap();
     assert_eq!(status, 200);
 }
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn results_of_all_frames_are_computed_ahead_and_played() {
+    let folder = tempfile::tempdir().unwrap();
+    let client = opened(folder.path());
+    let mut socket = connect(&client).await;
+    let look = |look: u64, index: u64, channels: Value| json!({ "type": "look", "look": look, "pose": { "index": index }, "channels": channels, "scalar": "edge_stretch", "ahead": true });
+    say(&mut socket, look(1, 0, json!(["source", "preview"]))).await;
+    let is_whole = |message: &Value| message["type"] == "ahead" && message["done"] == message["count"];
+    let (ahead, _) = wait(&mut socket, is_whole).await;
+    assert_eq!((&ahead["count"], &ahead["step"], &ahead["scalar"]), (&json!(2), &json!(1), &json!("edge_stretch")));
+    assert_eq!(ahead["revision"], client.markers()["revision"]);
+    // A frame that is there is the answer at once, with its colours, and no preview comes beside it.
+    say(&mut socket, look(2, 1, json!(["source", "result"]))).await;
+    let (played, bytes) = wait(&mut socket, |message| message["channel"] == "result" && message["look"] == 2).await;
+    assert_eq!((&played["pose"], &played["arrays"][1]["length"]), (&json!({ "index": 1 }), &json!(642)));
+    assert!(played["milliseconds"].as_f64().unwrap() < 50.0, "{played}");
+    let first = positions(&bytes, 642);
+    // It is what a stopped frame shows.
+    say(&mut socket, look(3, 0, json!(["result"]))).await;
+    say(&mut socket, look(4, 1, json!(["result"]))).await;
+    wait(&mut socket, |message| message["type"] == "worst").await;
+    let (stopped, bytes) = wait(&mut socket, |message| message["channel"] == "result" && message["look"] == 4).await;
+    assert_eq!(stopped["pose"], json!({ "index": 1 }));
+    let differ = positions(&bytes, 642).iter().zip(&first).map(|(a, b)| (a - b).abs()).fold(0.0f32, f32::max);
+    assert!(differ < 1e-6, "{differ}");
+    // Other points make it all anew.
+    let moved = client.clone();
+    let edited = tokio::task::spawn_blocking(move || {
+        moved.edit("m", json!([{ "op": "move", "pair": 1, "side": "target", "point": { "vertex": 100 } }])).json()
+    });
+    let revision = edited.await.unwrap()["markers"]["revision"].clone();
+    let (ahead, _) = wait(&mut socket, |message| is_whole(message) && message["revision"] == revision).await;
+    assert_eq!(ahead["error"], Value::Null);
+}

@@ -45,7 +45,7 @@ export class Actions {
       const next = await api.next(this.studio.selected.peek());
       this.studio.selected.value = next.pair;
       this.stage.flyToPoints(next.source, next.target);
-      notify(next.reason);
+      notify(next.reason, null, 'info', 'next');
     } catch (error) {
       const { message, hint } = describeError(error);
       notify(message, hint, 'error');

@@ -18,22 +18,8 @@ export function topBar(studio: Studio, help: () => void): HTMLElement {
     name,
     saveState(studio),
     h('span', { class: 'spacer' }),
-    button({
-      label: 'Undo',
-      keys: 'Ctrl Z',
-      icon: 'undo',
-      bare: true,
-      run: () => void studio.markers.undo(),
-      disabled: () => !studio.markers.document.value.can_undo && studio.markers.waiting.value === 0,
-    }),
-    button({
-      label: 'Redo',
-      keys: 'Ctrl Shift Z',
-      icon: 'redo',
-      bare: true,
-      run: () => void studio.markers.redo(),
-      disabled: () => !studio.markers.document.value.can_redo,
-    }),
+    undoButton(studio, false),
+    undoButton(studio, true),
     runControl(studio),
   );
   effect(() => {
@@ -54,6 +40,24 @@ export function topBar(studio: Studio, help: () => void): HTMLElement {
   );
 }
 
+function undoButton(studio: Studio, redo: boolean): HTMLElement {
+  const [label, keys] = redo ? ['Redo', 'Ctrl Shift Z'] : ['Undo', 'Ctrl Z'];
+  const due = () => studio.history.due(redo);
+  const element = button({
+    label,
+    keys,
+    icon: redo ? 'redo' : 'undo',
+    bare: true,
+    run: () => void studio.history.step(redo),
+    disabled: () => due() === null && (redo || studio.markers.waiting.value === 0),
+  });
+  effect(() => {
+    const step = due();
+    element.title = `${label}${step ? `: ${step.title}` : ''} (${keys})`;
+  });
+  return element;
+}
+
 /** Whether every change is on disk, and whether there is a connection. */
 function saveState(studio: Studio): HTMLElement {
   const element = h('span', { class: 'save-state', role: 'status', 'aria-live': 'polite' });
@@ -61,20 +65,26 @@ function saveState(studio: Studio): HTMLElement {
     const [level, text] = describe(studio);
     element.dataset.level = level;
     element.textContent = text;
-    element.title = studio.markers.document.value.file ?? '';
+    element.title = [studio.pipeline.pipeline.value?.file, studio.markers.document.value.file]
+      .filter(Boolean)
+      .join('\n');
   });
   return element;
 }
 
 function describe(studio: Studio): ['good' | 'busy' | 'bad', string] {
   const waiting = studio.markers.waiting.value;
-  const { disk, disk_error } = studio.markers.document.value;
+  const { disk, disk_error, exists, pairs } = studio.markers.document.value;
+  const pipeline = studio.pipeline.pipeline.value;
   if (studio.socket.connection.value !== 'open') {
     const kept = waiting > 0 ? ` · ${waiting} kept in this browser` : '';
     if (studio.refused.value) return ['bad', `The program was started anew: open the address that it printed${kept}`];
     return ['bad', `No connection${kept || ' · trying again'}`];
   }
-  if (disk === 'failed') return ['bad', `Not saved: ${disk_error ?? 'the file cannot be written'}`];
+  const failed = disk === 'failed' ? disk_error : pipeline?.disk === 'failed' ? pipeline.disk_error : undefined;
+  if (failed !== undefined) return ['bad', `Not saved: ${failed ?? 'the file cannot be written'}`];
   if (disk === 'changed_elsewhere') return ['bad', 'The file was changed by another program'];
-  return waiting > 0 ? ['busy', 'Saving …'] : ['good', 'Saved'];
+  if (waiting > 0 || studio.pipeline.saving.value) return ['busy', 'Saving …'];
+  if (!pipeline?.exists) return ['busy', 'Not written yet'];
+  return exists || pairs.length === 0 ? ['good', 'Saved'] : ['busy', 'Settings saved, proposals not yet'];
 }

@@ -12,7 +12,7 @@ import { startPage } from '../start/start.ts';
 import { button } from '../ui/controls.ts';
 import { fill, h } from '../ui/dom.ts';
 import { type IconName, icon } from '../ui/icons.ts';
-import { noticeArea } from '../ui/notices.ts';
+import { noticeLine } from '../ui/notices.ts';
 import { detached, effect } from '../ui/signal.ts';
 import { furnishPane } from '../views/heads.ts';
 import type { Pane } from '../views/pane.ts';
@@ -44,7 +44,13 @@ export function mount(root: HTMLElement, studio: Studio): Stage {
     'main',
     { class: 'work' },
     sidePanel(studio, stage, actions, painter),
-    h('div', { class: 'views' }, viewToolbar(studio, stage), stage.element, timeline(studio, player)),
+    h(
+      'div',
+      { class: 'views' },
+      h('div', { class: 'view-bar' }, viewToolbar(studio, stage), noticeLine()),
+      stage.element,
+      timeline(studio, player),
+    ),
   );
   const cover = h('main', { class: 'cover' });
   effect(() => {
@@ -63,7 +69,6 @@ export function mount(root: HTMLElement, studio: Studio): Stage {
     topBar(studio, () => openHelp(commands)),
     work,
     cover,
-    noticeArea(),
   );
   document.addEventListener('keydown', (event) => {
     if (studio.phase.peek().name !== 'ready' || document.querySelector('dialog[open]')) return;

@@ -6,9 +6,10 @@ import { Socket } from '../protocol/socket.ts';
 import type { FromServer, Job, OpenRequest, Point, Session, Side } from '../protocol/types.ts';
 import { PipelineStore } from '../stages/store.ts';
 import { rememberRecent } from '../start/recent.ts';
-import { notify } from '../ui/notices.ts';
-import { signal } from '../ui/signal.ts';
+import { clearNotices, notify, settle } from '../ui/notices.ts';
+import { effect, signal } from '../ui/signal.ts';
 import type { MeshData } from '../viewer/surface.ts';
+import { Undo } from './undo.ts';
 
 export type Phase =
   | { name: 'loading'; text: string }
@@ -35,6 +36,7 @@ export class Studio {
   readonly live = new Live(this.socket);
   readonly markers = new MarkerStore();
   readonly pipeline = new PipelineStore();
+  readonly history = new Undo(this);
   readonly phase = signal<Phase>({ name: 'loading', text: 'Connecting …' });
   readonly session = signal<Session | null>(null);
   readonly meshes = signal<Meshes | null>(null);
@@ -50,9 +52,17 @@ export class Studio {
 
   constructor() {
     this.socket.onMessage = (message) => this.receive(message);
-    this.socket.onFrame = (frame) => this.live.receive(frame);
+    this.socket.onFrame = (frame) => {
+      // What was wrong with what the page asked for is so no more.
+      settle('live');
+      this.live.receive(frame);
+    };
     this.socket.onOpen = () => void this.connected();
     this.socket.onLost = () => void this.lookForServer();
+    effect(() => {
+      const pipeline = this.pipeline.pipeline.value?.revision ?? 0;
+      this.live.revisions.value = { markers: this.markers.document.value.revision, pipeline };
+    });
     this.markers.onNotice = ({ text, hint }) => notify(text, hint);
     this.markers.onRenumbered = (ids) => {
       const id = this.selected.peek();
@@ -93,10 +103,11 @@ export class Studio {
     try {
       await this.markers.settled();
       this.setJob(await api.run());
+      settle('run');
       this.panel.value = 'result';
     } catch (error) {
       const { message, hint } = describeError(error);
-      notify(message, hint, 'error');
+      notify(message, hint, 'error', 'run');
     }
   }
 
@@ -112,9 +123,10 @@ export class Studio {
     try {
       await this.markers.settled();
       this.setJob(await api.propose(others));
+      settle('propose');
     } catch (error) {
       const { message, hint } = describeError(error);
-      notify(message, hint, 'error');
+      notify(message, hint, 'error', 'propose');
     }
   }
 
@@ -141,15 +153,22 @@ export class Studio {
     ]);
     // Another project may have been opened meanwhile.
     if (turn !== this.loading) return;
-    this.selected.value = null;
-    this.hidden.source.value = new Set();
-    this.hidden.target.value = new Set();
+    // Another clip of the same meshes leaves what a person chose.
+    const isSame = before !== null && before.name === session.name && sameMeshes(before, session);
+    if (!isSame) {
+      clearNotices();
+      this.selected.value = null;
+      this.hidden.source.value = new Set();
+      this.hidden.target.value = new Set();
+    }
+    settle('live');
     this.markers.open(session.project, markers.file ?? session.name ?? '', markers);
     this.pipeline.open(pipeline);
     this.jobs.value = jobs;
     this.meshes.value = { source, target };
     this.live.open(session.project);
     this.phase.value = { name: 'ready' };
+    if (!isSame) warnOfOneFile(session);
     document.title = `${session.name ?? 'mimesh'} – mimesh studio`;
   }
 
@@ -162,8 +181,9 @@ export class Studio {
       this.markers.reopen(await api.markers());
       this.pipeline.open(await api.pipeline());
       this.live.reconnect();
+      settle('connection');
     } catch (error) {
-      notify(describeError(error).message, null, 'error');
+      notify(describeError(error).message, null, 'error', 'connection');
     }
   }
 
@@ -203,8 +223,11 @@ export class Studio {
       case 'worst':
         this.live.worst.value = message.list;
         break;
+      case 'ahead':
+        this.live.ahead.value = message;
+        break;
       case 'error':
-        notify(sentence(message.error.message), message.error.hint, 'error');
+        notify(sentence(message.error.message), message.error.hint, 'error', 'live');
     }
   }
 
@@ -213,9 +236,21 @@ export class Studio {
     const others = this.jobs.peek().filter((other) => other.id !== job.id);
     this.jobs.value = [job, ...others].sort((a, b) => b.id - a.id);
     if (before?.state === job.state) return;
-    if (job.state === 'failed') notify(sentence(job.error?.message ?? 'it failed'), job.error?.hint, 'error');
-    if (job.state === 'done') notify(job.kind === 'run' ? 'The run is done.' : 'New proposals are there.');
+    if (job.state === 'failed') notify(sentence(job.error?.message ?? 'it failed'), job.error?.hint, 'error', job.kind);
+    if (job.state !== 'done') return;
+    const total = job.result?.summary.total;
+    notify(job.kind === 'run' ? `The run is done: ${total}.` : 'New proposals are there.', null, 'info', job.kind);
   }
+}
+
+function sameMeshes(a: Session, b: Session): boolean {
+  const of = ({ source, target }: Session) => JSON.stringify([source, target]);
+  return of(a) === of(b);
+}
+
+function warnOfOneFile({ source, target }: Session): void {
+  if (source?.file && source.file === target?.file)
+    notify('Source and target are the same file.', 'If that is a mistake, open another target.', 'error', 'files');
 }
 
 async function loadMesh(side: Side): Promise<MeshData> {

@@ -26,7 +26,8 @@ export function legend(studio: Studio): HTMLElement {
     return scalar !== null && scalar.name === studio.live.scalar.value ? JSON.stringify(scalar) : null;
   });
   effect(() => {
-    element.hidden = scale.value === null;
+    // While a mask is painted, its colours take the place of these.
+    element.hidden = scale.value === null || studio.panel.value === 'paint';
     if (scale.value === null) return;
     const scalar = JSON.parse(scale.value) as FrameScalar;
     const map = mapOf(scalar);

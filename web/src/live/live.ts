@@ -1,7 +1,18 @@
 import { type Container, floats } from '../protocol/container.ts';
 import type { Socket } from '../protocol/socket.ts';
-import type { Channel, FrameHeader, FrameScalar, LiveState, Point, PoseRef, Side, Worst } from '../protocol/types.ts';
-import { effect, signal } from '../ui/signal.ts';
+import type {
+  Ahead,
+  Channel,
+  FrameHeader,
+  FrameScalar,
+  LiveState,
+  Point,
+  PoseRef,
+  Side,
+  Worst,
+} from '../protocol/types.ts';
+import { computed, effect, signal } from '../ui/signal.ts';
+import { playableStep, preparation } from './ahead.ts';
 import { replaces } from './frames.ts';
 
 export interface Shown {
@@ -20,13 +31,20 @@ export class Live {
   readonly scalar = signal<string | null>(null);
   /** Whether some view shows the truth. */
   readonly wantsTruth = signal(false);
-  /** While the clip plays, the slow result of each frame would only delay the motion. */
   readonly playing = signal(false);
+  /** Results of frames that the server has computed ahead. */
+  readonly ahead = signal<Ahead | null>(null);
+  /** The revisions of points and settings. */
+  readonly revisions = signal({ markers: 0, pipeline: 0 });
+  /** How far apart the frames lie whose results can be played; null while the rough preview is all that can. */
+  readonly playable = computed(() => playableStep(this.ahead.value, this.present()));
   readonly source = signal<Shown | null>(null);
   readonly target = signal<Shown | null>(null);
   readonly truth = signal<Shown | null>(null);
   readonly states = signal<Partial<Record<LiveState['channel'], LiveState>>>({});
   readonly worst = signal<Worst[]>([]);
+  /** A place that is shown as soon as it is known. */
+  readonly sought = signal<{ metric: string; pose: number | null } | null>(null);
   /** From the last drag that was sent to its picture, in milliseconds. */
   readonly latency = signal<number | null>(null);
   private readonly socket: Socket;
@@ -46,7 +64,7 @@ export class Live {
   constructor(socket: Socket) {
     this.socket = socket;
     effect(() => {
-      void [this.pose.value, this.scalar.value, this.wantsTruth.value, this.playing.value];
+      void [this.pose.value, this.scalar.value, this.wantsTruth.value, this.playing.value, this.playable.value];
       this.ask();
     });
   }
@@ -62,6 +80,8 @@ export class Live {
     this.target.value = null;
     this.truth.value = null;
     this.worst.value = [];
+    this.sought.value = null;
+    this.ahead.value = null;
     this.states.value = {};
     this.ask();
   }
@@ -75,8 +95,11 @@ export class Live {
       return;
     }
     this.lookDue = false;
-    const channels: Channel[] = ['source', 'preview'];
-    if (!this.playing.peek()) channels.push('result');
+    // The slow result of each frame would only delay the motion; those that were computed ahead need no preview.
+    const [playing, playable] = [this.playing.peek(), this.playable.value !== null];
+    const channels: Channel[] = ['source'];
+    if (!playing || !playable) channels.push('preview');
+    if (!playing || playable) channels.push('result');
     if (this.wantsTruth.peek()) channels.push('truth');
     this.look += 1;
     this.lookSent = performance.now();
@@ -86,7 +109,18 @@ export class Live {
       pose: this.pose.peek(),
       channels,
       scalar: this.scalar.peek(),
+      ahead: true,
     });
+  }
+
+  /** What is missing before results can be played. */
+  preparation(): string {
+    return preparation(this.ahead.value, this.present());
+  }
+
+  private present() {
+    const { markers, pipeline } = this.revisions.value;
+    return { revision: markers, pipeline, scalar: this.scalar.value };
   }
 
   /** Whether the frames of the last look are there, so that the next one can be asked for. */

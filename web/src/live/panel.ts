@@ -8,12 +8,13 @@ import { fill, h } from '../ui/dom.ts';
 import { effect } from '../ui/signal.ts';
 import type { Stage } from '../views/stage.ts';
 import { shapeSliders } from './sliders.ts';
-import { worstEntries } from './worst.ts';
+import { followSought, showWorst, worstEntries } from './worst.ts';
 
-const MOST_OF_RUN = 12;
+const MOST = 12;
 
 /** Colours, shapes, the worst places and the last run. */
 export function resultPanel(studio: Studio, stage: Stage): HTMLElement {
+  followSought(studio, stage);
   return h(
     'div',
     { class: 'panel-page result' },
@@ -37,7 +38,7 @@ export function resultPanel(studio: Studio, stage: Stage): HTMLElement {
     ),
     shapeSliders(studio),
     worstList(studio, stage),
-    runReport(studio),
+    runReport(studio, (worst) => showWorst(studio, stage, worst)),
     worstOfRun(studio, stage),
   );
 }
@@ -66,7 +67,7 @@ function describeState(name: string, state: LiveState | undefined): string | nul
       return `${name}: computing ${state.stage ?? ''}${share} …`;
     }
     case 'ready':
-      return `${name}: up to date.`;
+      return name === 'Preview' ? null : `${name}: up to date.`;
     default:
       return `${name}: ${sentence(state.error?.message ?? state.state)}${state.error?.hint ? ` ${sentence(state.error.hint)}` : ''}`;
   }
@@ -83,7 +84,7 @@ function worstList(studio: Studio, stage: Stage): HTMLElement {
     empty.textContent = ready
       ? 'Nothing is above its limit in this pose.'
       : 'When a result is there, its worst places are listed here.';
-    fill(list, ...worstEntries(studio, stage, worst));
+    fill(list, ...worstEntries(studio, stage, worst, MOST));
   });
   return h('section', { class: 'block', 'aria-label': 'Worst places' }, h('h3', {}, 'Worst places'), empty, list);
 }
@@ -96,7 +97,7 @@ function worstOfRun(studio: Studio, stage: Stage): HTMLElement {
   effect(() => {
     const worst = studio.jobs.value.find((job) => job.kind === 'run')?.result?.worst ?? [];
     element.hidden = worst.length === 0;
-    fill(list, ...worstEntries(studio, stage, worst.slice(0, MOST_OF_RUN)));
+    fill(list, ...worstEntries(studio, stage, worst, MOST));
   });
   return element;
 }

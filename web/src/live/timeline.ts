@@ -3,6 +3,8 @@ import type { Poses } from '../protocol/types.ts';
 import { button } from '../ui/controls.ts';
 import { h } from '../ui/dom.ts';
 import { effect } from '../ui/signal.ts';
+import { nearestFrame } from './ahead.ts';
+import { clipChoice } from './clips.ts';
 import { frameAt } from './frames.ts';
 
 const USUAL_RATE = 24;
@@ -16,8 +18,9 @@ export class Player {
   constructor(studio: Studio) {
     this.studio = studio;
     effect(() => {
+      // A change of the session while it plays must not begin a second round beside the first.
+      cancelAnimationFrame(this.request);
       if (studio.live.playing.value) this.begin();
-      else cancelAnimationFrame(this.request);
     });
   }
 
@@ -57,7 +60,8 @@ export class Player {
     this.start = performance.now() - (first / rate) * 1000;
     const tick = (now: number) => {
       this.request = requestAnimationFrame(tick);
-      const index = frameAt((now - this.start) / 1000, rate, poses.list.length);
+      const wanted = frameAt((now - this.start) / 1000, rate, poses.list.length);
+      const index = nearestFrame(wanted, live.playable.value ?? 1);
       const present = live.pose.peek();
       const same = present !== null && 'index' in present && present.index === index;
       if (!same && live.caughtUp) live.pose.value = { index };
@@ -89,7 +93,9 @@ export function timeline(studio: Studio, player: Player): HTMLElement {
     playButton(studio, player),
     button({ label: 'Next frame', keys: '.', icon: 'next', bare: true, run: () => player.step(1) }),
     slider,
+    prepared(studio),
     name,
+    clipChoice(studio),
   );
   effect(() => {
     const poses = player.poses;
@@ -101,6 +107,22 @@ export function timeline(studio: Studio, player: Player): HTMLElement {
     slider.value = String(frame ?? 0);
     name.textContent = describe(studio, poses, frame);
     slider.setAttribute('aria-valuetext', name.textContent);
+  });
+  return element;
+}
+
+/** How far the results are that Play will show. */
+function prepared(studio: Studio): HTMLElement {
+  const element = h('span', { class: 'prepared', role: 'status' });
+  effect(() => {
+    const ahead = studio.live.ahead.value;
+    const waits = studio.session.value?.poses?.are === 'frames' && studio.live.playable.value === null;
+    element.textContent = !waits
+      ? ''
+      : ahead?.error || !ahead
+        ? ''
+        : `preparing ${ahead.done} of ${ahead.count} frames`;
+    element.title = waits ? `Play shows the rough preview until then: ${studio.live.preparation()}` : '';
   });
   return element;
 }

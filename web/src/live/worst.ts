@@ -1,36 +1,82 @@
 import type { Studio } from '../app/studio.ts';
 import type { Worst } from '../protocol/types.ts';
 import { h } from '../ui/dom.ts';
+import { effect } from '../ui/signal.ts';
 import { verdict } from '../ui/verdict.ts';
 import { formatNumber } from '../viewer/colours.ts';
 import type { Stage } from '../views/stage.ts';
 
-/** Statistics above their limits; a click shows the pose and flies to the place. */
-export function worstEntries(studio: Studio, stage: Stage, list: readonly Worst[]): HTMLElement[] {
-  return list.map((entry) => h('li', {}, worstEntry(studio, stage, entry)));
+/** Entries about one statistic, the worst first. */
+export function byStatistic(list: readonly Worst[]): Worst[][] {
+  const groups = new Map<string, Worst[]>();
+  for (const worst of list) groups.set(worst.title, [...(groups.get(worst.title) ?? []), worst]);
+  return [...groups.values()];
 }
 
-function worstEntry(studio: Studio, stage: Stage, worst: Worst): HTMLElement {
+/** Statistics above their limits, each once with its worst place; a click shows the pose and points at the place. */
+export function worstEntries(studio: Studio, stage: Stage, list: readonly Worst[], most: number): HTMLElement[] {
+  return byStatistic(list)
+    .slice(0, most)
+    .map(([first, ...others]) =>
+      h(
+        'li',
+        {},
+        worstEntry(studio, stage, first),
+        others.length === 0
+          ? null
+          : h(
+              'details',
+              {},
+              h('summary', {}, `${others.length} more ${others.length === 1 ? 'place' : 'places'}`),
+              ...others.map((other) => worstEntry(studio, stage, other, true)),
+            ),
+      ),
+    );
+}
+
+function worstEntry(studio: Studio, stage: Stage, worst: Worst, short = false): HTMLElement {
   const place = [worst.about, worst.pose_name].filter(Boolean).join(' · ');
   const value = worst.value === null ? 'not measured' : `${formatNumber(worst.value)} ${worst.unit}`;
   const limit = worst.limit === null ? '' : `, limit ${formatNumber(worst.limit)} ${worst.unit}`;
   return h(
     'button',
-    {
-      type: 'button',
-      class: `worst-entry ${worst.level}`,
-      onclick: () => {
-        if (worst.pose !== null) {
-          studio.live.playing.value = false;
-          studio.live.pose.value =
-            studio.session.peek()?.poses?.are === 'shapes' ? { blend: [[worst.pose, 1]] } : { index: worst.pose };
-        }
-        if (worst.vertex !== null) stage.flyToPoints(null, { vertex: worst.vertex });
-      },
-    },
+    { type: 'button', class: `worst-entry ${worst.level}`, onclick: () => showWorst(studio, stage, worst) },
     verdict(worst.level),
     h('span', { class: 'figure' }, value),
-    h('span', { class: 'about' }, `${worst.title}${limit}`),
+    short ? null : h('span', { class: 'about' }, `${worst.title}${limit}`),
+    short || !worst.meaning ? null : h('span', { class: 'meaning' }, `${capital(worst.meaning)}.`),
     h('span', { class: 'place' }, place || 'whole run'),
   );
+}
+
+/** Shows the pose of a statistic and points at its place, which may be known only when that pose was measured. */
+export function showWorst(studio: Studio, stage: Stage, worst: Worst): void {
+  if (worst.pose !== null) {
+    studio.live.playing.value = false;
+    studio.live.pose.value =
+      studio.session.peek()?.poses?.are === 'shapes' ? { blend: [[worst.pose, 1]] } : { index: worst.pose };
+  }
+  const marker = /^marker (.+)$/.exec(worst.about ?? '')?.[1];
+  const pair = studio.markers.pairs.peek().find((one) => (one.name ?? String(one.number)) === marker);
+  if (worst.vertex !== null) stage.showPlace('target', { vertex: worst.vertex });
+  else if (pair?.target) {
+    studio.selected.value = pair.id;
+    stage.showPlace('target', pair.target);
+  } else studio.live.sought.value = { metric: worst.metric, pose: worst.pose };
+}
+
+/** Points at the place that is sought as soon as the pose is measured. */
+export function followSought(studio: Studio, stage: Stage): void {
+  effect(() => {
+    const sought = studio.live.sought.value;
+    const found =
+      sought && studio.live.worst.value.find((one) => one.metric === sought.metric && one.pose === sought.pose);
+    if (!found || found.vertex === null) return;
+    studio.live.sought.value = null;
+    stage.showPlace('target', { vertex: found.vertex });
+  });
+}
+
+function capital(text: string): string {
+  return text.charAt(0).toUpperCase() + text.slice(1).replace(/\.$/, '');
 }

@@ -19,7 +19,7 @@ export function applyOps(pairs: readonly Pair[], ops: readonly Op[], firstNewId:
       result = result.map((pair) => (pair.id === op.pair ? change(pair, op) : pair));
     }
   }
-  return result.map((pair, i) => (pair.number === i + 1 ? pair : { ...pair, number: i + 1 }));
+  return result;
 }
 
 type Change = Extract<Op, { op: 'move' | 'rename' | 'note' | 'status' }>;
@@ -43,7 +43,7 @@ function change(pair: Pair, op: Change): Pair {
 function newPair(op: Extract<Op, { op: 'add' }>, pairs: readonly Pair[], id: number): Pair {
   return {
     id,
-    number: pairs.length + 1,
+    number: Math.max(0, ...pairs.map((pair) => pair.number)) + 1,
     colour: nextColour(pairs),
     name: op.name ?? null,
     note: op.note ?? null,

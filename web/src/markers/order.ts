@@ -5,6 +5,9 @@ export type Need = 'partner' | 'doubtful' | 'proposed' | 'none';
 
 const DOUBTFUL_BELOW = 0.5;
 
+/** Parts of bodies, as stages that find points by shape call them. */
+const STAGE_NAMES = new Set(['limb', 'place', 'between']);
+
 export function needOf(pair: Pair): Need {
   if (pair.status === 'skipped') return 'none';
   if (!pair.source || !pair.target) return 'partner';
@@ -31,12 +34,20 @@ function sureness(pair: Pair): number {
 export function matches(pair: Pair, search: string): boolean {
   const words = search.trim().toLowerCase();
   if (!words) return true;
-  const text = `${pair.number} ${pair.name ?? ''} ${pair.note ?? ''} ${pair.status}`.toLowerCase();
+  const text = `${pair.number} ${pair.name ?? ''} ${pairTitle(pair)} ${pair.note ?? ''} ${pair.status}`.toLowerCase();
   return words.split(/\s+/).every((word) => text.includes(word));
 }
 
 export function pairTitle(pair: Pair): string {
-  return pair.name ?? `Point ${pair.number}`;
+  return pair.name === null ? `Point ${pair.number}` : readable(pair.name);
+}
+
+/** Names that stages give, for people: `limb2-1` is the first point of a limb. Other names are as they are. */
+export function readable(name: string): string {
+  const parts = /^([a-z]+?)(\d*)-(\d+)$/.exec(name);
+  if (!parts || !STAGE_NAMES.has(parts[1])) return name;
+  const [, part, which, point] = parts;
+  return `${part.charAt(0).toUpperCase()}${part.slice(1)}${which ? ` ${which}` : ''}, point ${point}`;
 }
 
 /** The pair before or after another in a list, round the end. */

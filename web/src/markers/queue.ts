@@ -1,7 +1,7 @@
 import type { Edit, EditResult, Markers, Op, Pair } from '../protocol/types.ts';
 import { applyOps, renumberOp } from './apply.ts';
 
-/** How a pair was called when an edit of it was made, since a server that was started anew numbers pairs anew. */
+/** How a pair was called when an edit of it was made, and its place, since a server that was started anew numbers pairs anew. */
 export type PairName = Pick<Pair, 'id' | 'name' | 'number'>;
 
 export interface PendingEdit extends Pick<Edit, 'base' | 'id' | 'ops'> {
@@ -45,8 +45,8 @@ export class EditQueue {
   push(ops: Op[], id: string): { edit: PendingEdit; added: number[] } {
     const ids = new Set(ops.map((op) => ('pair' in op ? op.pair : null)));
     const names = this.document.pairs
-      .filter((pair) => ids.has(pair.id))
-      .map(({ id, name, number }) => ({ id, name, number }));
+      .map(({ id, name }, place) => ({ id, name, number: place + 1 }))
+      .filter(({ id }) => ids.has(id));
     const edit: PendingEdit = { base: this.document.revision, id, ops, names, firstNewId: this.nextNewId };
     const count = countAdds(ops);
     const added = Array.from({ length: count }, (_, i) => this.nextNewId - i);

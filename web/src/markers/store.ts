@@ -75,17 +75,29 @@ export class MarkerStore {
     return this.pairs.peek().find((pair) => pair.id === id) ?? null;
   }
 
-  async undo(): Promise<void> {
-    // What was not sent yet needs no server to be taken back.
-    if (this.queue.dropLast(this.sending)) {
-      this.publish();
-      return;
-    }
-    await this.step((base) => api.undo(this.project, base));
+  /** Takes back the last edit that was not sent yet, which needs no server; whether there was one. */
+  dropUnsent(): boolean {
+    const dropped = this.queue.dropLast(this.sending) !== null;
+    if (dropped) this.publish();
+    return dropped;
   }
 
-  async redo(): Promise<void> {
-    await this.step((base) => api.redo(this.project, base));
+  /** Takes back the last step that the server has, or does one again; whether it was done. */
+  async step(redo: boolean): Promise<boolean> {
+    await this.settled();
+    const { revision } = this.queue.server;
+    let done = false;
+    try {
+      const result = await (redo ? api.redo(this.project, revision) : api.undo(this.project, revision));
+      this.queue.receive(result.markers);
+      this.report(result);
+      done = result.conflicts.length === 0;
+    } catch (error) {
+      const { message, hint } = describeError(error);
+      this.onNotice({ text: message, hint });
+    }
+    this.publish();
+    return done;
   }
 
   /** Sends what waits; called when the connection is back, too. */
@@ -131,19 +143,6 @@ export class MarkerStore {
     this.heldBack = null;
     this.publish();
     void this.pump();
-  }
-
-  private async step(ask: (base: number) => Promise<EditResult>): Promise<void> {
-    await this.settled();
-    try {
-      const result = await ask(this.queue.server.revision);
-      this.queue.receive(result.markers);
-      this.report(result);
-    } catch (error) {
-      const { message, hint } = describeError(error);
-      this.onNotice({ text: message, hint });
-    }
-    this.publish();
   }
 
   private answered(edit: PendingEdit, result: EditResult): void {

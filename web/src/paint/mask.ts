@@ -61,6 +61,9 @@ function clamp(value: number): number {
   return Math.min(Math.max(value, 0), 1);
 }
 
+/** The names that masks have until a person gives another: each kind its own. */
+export const USUAL_NAMES = { weights: 'weights', components: 'rigid' } as const;
+
 /** Names of files must do on any system. */
 export function maskNameProblem(name: string): string | null {
   if (!/^[A-Za-z0-9][A-Za-z0-9_-]{0,63}$/.test(name))

@@ -1,5 +1,5 @@
 import type { Studio } from '../app/studio.ts';
-import { api, describeError } from '../protocol/client.ts';
+import { api, describeError, RequestError } from '../protocol/client.ts';
 import { floats } from '../protocol/container.ts';
 import type { Mask, Side } from '../protocol/types.ts';
 import { h } from '../ui/dom.ts';
@@ -23,6 +23,8 @@ export class Painter implements PaneTool {
   readonly masks = signal<Mask[]>([]);
   /** Whether something was painted that is not saved. */
   readonly unsaved = signal(false);
+  /** The file that holds what is painted, or held it before the last strokes. */
+  readonly saved = signal<Mask | null>(null);
   private readonly studio: Studio;
   private readonly stage: Stage;
   private readonly ring = h('div', { class: 'brush-ring' });
@@ -98,6 +100,7 @@ export class Painter implements PaneTool {
     this.mask = new PaintedMask(this.vertexCount());
     this.components.value = new Set();
     this.unsaved.value = false;
+    this.saved.value = null;
     this.show(this.studio.panel.peek() === 'paint');
   }
 
@@ -111,17 +114,27 @@ export class Painter implements PaneTool {
     this.changed();
   }
 
-  async save(name: string): Promise<void> {
-    const side = this.side.peek();
-    await this.report(async () => {
+  /** Saves what is painted. Whether a file of that name is there that is another mask than this one, so that a person must be asked. */
+  async save(name: string, replace = false): Promise<boolean> {
+    const [side, kind] = [this.side.peek(), this.kind.peek()];
+    const is = this.saved.peek();
+    const isSame = is !== null && is.name === name && is.side === side && is.kind === kind;
+    try {
       const mask =
-        this.kind.peek() === 'weights'
-          ? await api.saveMask(side, name, { weights: this.mask.weights })
-          : await api.saveComponents(side, name, [...this.components.peek()]);
+        kind === 'weights'
+          ? await api.saveMask(side, name, { weights: this.mask.weights }, replace || isSame)
+          : await api.saveComponents(side, name, [...this.components.peek()], replace || isSame);
       this.unsaved.value = false;
+      this.saved.value = mask;
       notify(`Saved ${mask.file}.`);
       await this.list();
-    });
+      return false;
+    } catch (error) {
+      if (error instanceof RequestError && error.status === 409 && !replace) return true;
+      const { message, hint } = describeError(error);
+      notify(message, hint, 'error', 'paint');
+      return false;
+    }
   }
 
   async load(mask: Mask): Promise<void> {
@@ -133,6 +146,8 @@ export class Painter implements PaneTool {
       flush();
       this.mask = new PaintedMask(weights.length, weights);
       if (mask.kind === 'components') this.components.value = this.componentsIn(weights);
+      this.saved.value = mask;
+      this.unsaved.value = false;
       this.show(true);
     });
   }

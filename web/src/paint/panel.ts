@@ -1,17 +1,25 @@
 import type { Studio } from '../app/studio.ts';
 import type { Mask, Side } from '../protocol/types.ts';
 import { button, select } from '../ui/controls.ts';
+import { openDialog } from '../ui/dialog.ts';
 import { fill, h, uniqueId } from '../ui/dom.ts';
 import { icon } from '../ui/icons.ts';
 import { effect, type Signal } from '../ui/signal.ts';
-import { maskNameProblem } from './mask.ts';
+import { maskNameProblem, USUAL_NAMES } from './mask.ts';
 import type { Painter, PaintKind } from './painter.ts';
+import { useOf } from './use.ts';
 
 /** Painting of weights and choice of components, and what is saved. */
 export function paintPanel(studio: Studio, painter: Painter): HTMLElement {
   const brush = h(
     'section',
     { class: 'block', 'aria-label': 'Brush' },
+    h(
+      'p',
+      {},
+      'Weights say how much of a shape’s motion each vertex takes: all where it is painted, none where it is not. ',
+      'A mask keeps, for instance, a blink away from the mouth.',
+    ),
     h('p', { class: 'hint' }, 'Drag over the mesh to paint. Alt and drag turns the view.'),
     range('Radius', painter.radius, 0.01, 0.3, (value) => `${(value * 100).toFixed(0)} % of the diagonal`),
     range('Strength', painter.strength, 0.05, 1, (value) => `${(value * 100).toFixed(0)} %`),
@@ -45,7 +53,13 @@ export function paintPanel(studio: Studio, painter: Painter): HTMLElement {
     components.hidden = !brush.hidden;
     fill(
       components,
-      h('p', { class: 'hint' }, 'Click components on the mesh. They can be named where a stage takes rigid parts.'),
+      h(
+        'p',
+        {},
+        'Rigid components move as one piece and keep their shape, such as eyeballs, teeth and buttons. ',
+        'The transfer multi_component takes them.',
+      ),
+      h('p', { class: 'hint' }, 'Click components on the mesh.'),
       ...(painter.components.value.size === 0
         ? [h('p', { class: 'muted' }, 'None is chosen yet.')]
         : [h('ul', { class: 'chips' }, ...[...painter.components.value].map((name) => h('li', {}, name)))]),
@@ -57,7 +71,7 @@ export function paintPanel(studio: Studio, painter: Painter): HTMLElement {
     whatToPaint(studio, painter),
     brush,
     components,
-    saving(painter),
+    saving(studio, painter),
     savedMasks(painter),
   );
 }
@@ -121,33 +135,61 @@ function range(
   return h('div', { class: 'range' }, h('label', { for: id }, label), output, input);
 }
 
-function saving(painter: Painter): HTMLElement {
+function saving(studio: Studio, painter: Painter): HTMLElement {
   const id = uniqueId('mask');
   const problem = h('p', { class: 'problem', role: 'status' });
-  const name = h('input', { id, type: 'text', value: 'mask', spellcheck: 'false', maxlength: 64 });
+  const name = h('input', { id, type: 'text', spellcheck: 'false', maxlength: 60 });
   const state = h('span', { class: 'muted' });
+  const use = h('div', { class: 'use' });
+  /** The file of what is painted, if it is of the kind that is chosen. */
+  const present = () => (painter.saved.value?.kind === painter.kind.value ? painter.saved.value : null);
   effect(() => {
-    state.textContent = painter.unsaved.value ? 'not saved yet' : '';
+    state.textContent = painter.unsaved.value ? 'not saved yet' : present() ? 'saved' : '';
   });
+  // Each kind has a name of its own, so that one does not take the other's file.
+  effect(() => {
+    name.value = present()?.name ?? USUAL_NAMES[painter.kind.value];
+  });
+  effect(() => {
+    const mask = present();
+    fill(use, ...(mask ? useOf(studio, painter, mask) : []));
+  });
+
+  async function save(): Promise<void> {
+    problem.textContent = maskNameProblem(name.value) ?? '';
+    if (problem.textContent !== '') return;
+    const given = name.value;
+    if (await painter.save(given))
+      askToReplace(`${given}.${painter.side.peek()}.mask.json`, () => painter.save(given, true));
+  }
+
   return h(
     'section',
     { class: 'block', 'aria-label': 'Save' },
     h('div', { class: 'field-row' }, h('label', { for: id }, 'Name'), name),
     problem,
+    h('div', { class: 'row' }, state, button({ label: 'Save', kind: 'primary', run: () => void save() })),
+    use,
+  );
+}
+
+function askToReplace(file: string, replace: () => Promise<unknown>): void {
+  const dialog = openDialog('Replace the file?', [
+    h('p', {}, `${file} is there already and holds another mask. Replacing it cannot be undone.`),
     h(
       'div',
-      { class: 'row' },
-      state,
+      { class: 'row end' },
+      button({ label: 'Keep it', run: () => dialog.close() }),
       button({
-        label: 'Save',
-        kind: 'primary',
+        label: 'Replace',
+        kind: 'danger',
         run: () => {
-          problem.textContent = maskNameProblem(name.value) ?? '';
-          if (problem.textContent === '') void painter.save(name.value);
+          dialog.close();
+          void replace();
         },
       }),
     ),
-  );
+  ]);
 }
 
 function savedMasks(painter: Painter): HTMLElement {

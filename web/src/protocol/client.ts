@@ -107,16 +107,22 @@ export const api = {
   putPipeline: (base: number, text: string) => send<Pipeline>('PUT', '/api/pipeline', { base, text }),
   setValue: (base: number, path: Step[], value: unknown) =>
     send<Pipeline>('POST', '/api/pipeline/set', { base, path, value }),
+  undoPipeline: (base: number) => send<Pipeline>('POST', '/api/pipeline/undo', { base }),
+  redoPipeline: (base: number) => send<Pipeline>('POST', '/api/pipeline/redo', { base }),
+  /** The value of a text in YAML, or what is wrong with it. */
+  yaml: (text: string) => send<{ value: unknown; problem: string | null }>('POST', '/api/yaml', { text }),
   unsetValue: (base: number, path: Step[]) => send<Pipeline>('POST', '/api/pipeline/unset', { base, path }),
   run: () => send<Job>('POST', '/api/run', {}),
   jobs: () => get<Job[]>('/api/jobs'),
   cancel: async (id: number) => (await request('DELETE', `/api/jobs/${id}`)).json() as Promise<Job>,
   masks: () => get<{ masks: Mask[] }>('/api/masks'),
   mask: (side: Side, name: string) => binary<object>(maskPath(side, name)),
-  saveMask: async (side: Side, name: string, arrays: Arrays) =>
-    (await request('PUT', maskPath(side, name), writeContainer({}, arrays))).json() as Promise<Mask>,
-  saveComponents: (side: Side, name: string, components: string[]) =>
-    send<Mask>('PUT', `${maskPath(side, name)}/components`, { components }),
+  saveMask: async (side: Side, name: string, arrays: Arrays, replace: boolean) =>
+    (
+      await request('PUT', `${maskPath(side, name)}?replace=${replace}`, writeContainer({}, arrays))
+    ).json() as Promise<Mask>,
+  saveComponents: (side: Side, name: string, components: string[], replace: boolean) =>
+    send<Mask>('PUT', `${maskPath(side, name)}/components?replace=${replace}`, { components }),
   deleteMask: async (side: Side, name: string) =>
     (await request('DELETE', maskPath(side, name))).json() as Promise<{ masks: Mask[] }>,
   about: () => get<About>('/api/about'),

@@ -59,7 +59,15 @@ export interface Component {
 export interface Poses {
   are: 'frames' | 'shapes';
   fps: number | null;
+  /** The clips of the source's file. */
+  clips: Clip[];
   list: { name: string; clip: string | null; seconds: number | null }[];
+}
+
+export interface Clip {
+  name: string;
+  seconds: number;
+  frames: number;
 }
 
 export interface Scalar {
@@ -106,11 +114,16 @@ export interface Pair {
 export interface Markers {
   revision: number;
   file: string | null;
+  /** Whether there is such a file yet. */
+  exists: boolean;
   pairs: Pair[];
   can_undo: boolean;
   can_redo: boolean;
   undo: string | null;
+  /** Where the step stands among those of the markers and of the pipeline. */
+  undo_order: number | null;
   redo: string | null;
+  redo_order: number | null;
   problems: { pair: number; side: Side | null; message: string; hint: string | null }[];
   disk: DiskState;
   disk_error: string | null;
@@ -162,7 +175,7 @@ export interface Next {
 export type PoseRef = null | { index: number } | { blend: [number, number][] };
 
 export type ToServer =
-  | { type: 'look'; look: number; pose: PoseRef; channels: Channel[]; scalar: string | null }
+  | { type: 'look'; look: number; pose: PoseRef; channels: Channel[]; scalar: string | null; ahead: boolean }
   | { type: 'drag'; drag: number; pair: number; side: Side; point: Point | null };
 
 export interface FrameHeader {
@@ -195,6 +208,18 @@ export interface LiveState {
   error: ApiError | null;
 }
 
+/** How many frames of the clip have a result that can be played. */
+export interface Ahead {
+  revision: number;
+  pipeline: number;
+  done: number;
+  count: number;
+  /** How far they lie apart. */
+  step: number;
+  scalar: string | null;
+  error: ApiError | null;
+}
+
 export interface Worst {
   pose: number | null;
   pose_name: string | null;
@@ -206,6 +231,10 @@ export interface Worst {
   level: Level;
   about: string | null;
   vertex: number | null;
+  /** The whole reason in words. */
+  words: string;
+  /** What the statistic is. */
+  meaning: string;
 }
 
 export type FromServer =
@@ -216,6 +245,7 @@ export type FromServer =
   | { type: 'job'; job: Job }
   | ({ type: 'live' } & LiveState)
   | { type: 'worst'; channel: 'result'; revision: number; list: Worst[] }
+  | ({ type: 'ahead' } & Ahead)
   | { type: 'error'; error: ApiError };
 
 export interface Pipeline {
@@ -231,6 +261,10 @@ export interface Pipeline {
   outputs: string[];
   disk: DiskState;
   disk_error: string | null;
+  undo: string | null;
+  undo_order: number | null;
+  redo: string | null;
+  redo_order: number | null;
 }
 
 export interface Job {
@@ -252,7 +286,18 @@ export interface RunResult {
   verdict: Level | null;
   written: { name: string; path: string; bytes: number; url: string }[];
   report: unknown;
+  summary: Summary;
+  /** What the run was of. */
+  of: { project: number; markers: number; pipeline: number };
   worst: Worst[];
+}
+
+/** What came of a run, in the sentences of its report. */
+export interface Summary {
+  total: string;
+  things: number;
+  faults: { metric: string; sentence: string }[];
+  next_steps: string[];
 }
 
 export interface Mask {

@@ -15,6 +15,7 @@ export function yamlEditor(studio: Studio): HTMLElement {
     wrap: 'off',
     autocapitalize: 'off',
     'aria-label': 'Pipeline as YAML',
+    'aria-describedby': 'editor-keys',
     oninput: () => changed(),
     onscroll: () => {
       gutter.style.transform = `translateY(${-text.scrollTop}px)`;
@@ -77,6 +78,7 @@ export function yamlEditor(studio: Studio): HTMLElement {
     state,
     h('div', { class: 'editor-text' }, h('div', { class: 'gutter-clip' }, gutter), text),
     faults,
+    h('p', { class: 'hint editor-keys', id: 'editor-keys' }, 'Tab indents. Esc and then Tab moves on.'),
   );
 }
 
@@ -103,9 +105,19 @@ function goTo(text: HTMLTextAreaElement, fault: Diagnostic): void {
   text.setSelectionRange(start, start + (fault.length ?? 0));
 }
 
-/** Tab indents, as YAML wants blanks; Escape and then Tab leaves the text. */
+/** Whether the next Tab leaves the text. */
+let leaves = false;
+
+/** Tab indents, as YAML wants blanks; after Escape it moves on. */
 function indent(text: HTMLTextAreaElement, event: KeyboardEvent): void {
-  if (event.key !== 'Tab' || event.shiftKey) return;
+  if (event.key === 'Escape') {
+    leaves = true;
+    event.stopPropagation();
+    return;
+  }
+  const moves = event.key === 'Tab' && (leaves || event.shiftKey);
+  if (event.key !== 'Shift') leaves = false;
+  if (event.key !== 'Tab' || moves) return;
   event.preventDefault();
   text.setRangeText('  ', text.selectionStart, text.selectionEnd, 'end');
   text.dispatchEvent(new Event('input'));

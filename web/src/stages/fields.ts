@@ -8,7 +8,6 @@ import {
   type Json,
   type NumberField,
   numberProblem,
-  parseFlow,
   rangeText,
   valueAt,
 } from './schema.ts';
@@ -86,32 +85,54 @@ function numberInput(
       // A variable of the pipeline may stand for a number.
       if (text.startsWith('${')) return host.set(path, text);
       const number = Number(text);
-      input.setCustomValidity(numberProblem(field, number) ?? '');
-      if (input.reportValidity()) host.set(path, number);
+      const problem = numberProblem(field, number);
+      say(problem);
+      if (problem === null) host.set(path, number);
     },
-    oninput: () => input.setCustomValidity(''),
+    oninput: () => say(null),
   });
-  return input;
+  const message = h('p', { class: 'problem field-problem', role: 'alert' });
+  message.hidden = true;
+  function say(text: string | null): void {
+    message.hidden = text === null;
+    message.textContent = text ?? '';
+    input.setAttribute('aria-invalid', String(text !== null));
+  }
+  return h('span', { class: 'text-field' }, input, message);
 }
 
 function textInput(host: FormHost, field: Field, path: Step[], id: string, value: Json | undefined): HTMLElement {
   const example = field.examples[0];
+  const problem = h('p', { class: 'problem field-problem', role: 'alert' });
+  problem.hidden = true;
   const input = h('input', {
     id,
     type: 'text',
     spellcheck: 'false',
+    autocomplete: 'off',
     value: flowText(value),
     placeholder: example === undefined ? '' : flowText(example),
+    title: flowText(value),
     'data-path': path.join('.'),
-    onchange: () => {
-      if (input.value.trim() === '') return host.unset(path);
-      if (field.kind === 'text') return host.set(path, input.value);
-      const parsed = parseFlow(input.value);
-      if ('value' in parsed) return host.set(path, parsed.value);
-      input.setCustomValidity(parsed.problem);
-      input.reportValidity();
-    },
-    oninput: () => input.setCustomValidity(''),
+    onchange: () => void take(),
+    oninput: () => say(null),
   });
-  return input;
+
+  function say(text: string | null): void {
+    problem.hidden = text === null;
+    problem.textContent = text ?? '';
+    input.setAttribute('aria-invalid', String(text !== null));
+  }
+
+  /** Takes the text. What is wrong with it is said below it and keeps nobody in the field. */
+  async function take(): Promise<void> {
+    const text = input.value.trim();
+    if (text === '') return host.unset(path);
+    if (field.kind === 'text') return host.set(path, input.value);
+    const parsed = await host.parse(text);
+    if ('value' in parsed) host.set(path, parsed.value);
+    else say(parsed.problem);
+  }
+
+  return h('span', { class: 'text-field' }, input, problem);
 }

@@ -27,7 +27,9 @@ export function fieldElement(host: FormHost, field: Field, path: Step[]): HTMLEl
   const faults = faultsAt(host.pipeline.diagnostics, path);
   return h(
     'div',
-    { class: `setting${value === undefined ? '' : ' set'}${faults.length > 0 ? ' faulty' : ''}` },
+    {
+      class: `setting${value === undefined ? '' : ' set'}${faults.length > 0 ? ' faulty' : ''}${isWide(field) ? ' wide' : ''}`,
+    },
     h(
       'div',
       { class: 'setting-line' },
@@ -38,6 +40,11 @@ export function fieldElement(host: FormHost, field: Field, path: Step[]): HTMLEl
     ...faults,
     h('div', { class: 'help-text' }, ...prose(field.description), defaultText(field)),
   );
+}
+
+/** Texts and free values need more room than a number. */
+function isWide(field: Field): boolean {
+  return field.kind === 'text' || field.kind === 'value';
 }
 
 function stageElement(host: FormHost, field: StageField, path: Step[]): HTMLElement {
@@ -204,6 +211,8 @@ function resetButton(host: FormHost, path: Step[], name: string, value: Json | u
     run: () => host.unset(path),
   });
   reset.classList.add('reset');
+  // The focus finds it again after the form was drawn anew.
+  reset.dataset.path = `${path.join('.')}:reset`;
   // It keeps its place, so that nothing moves when a value is set.
   if (value === undefined) reset.disabled = true;
   return reset;

@@ -8,6 +8,8 @@ export interface FormHost {
   open: Set<string>;
   set: (path: Step[], value: Json) => void;
   unset: (path: Step[]) => void;
+  /** The value of a text in YAML, or what is wrong with it. */
+  parse: (text: string) => Promise<{ value: Json } | { problem: string }>;
   /** Draws the form anew, e.g. when something is unfolded. */
   redraw: () => void;
 }

@@ -1,5 +1,5 @@
 import type { Studio } from '../app/studio.ts';
-import { api, describeError } from '../protocol/client.ts';
+import { api, describeError, sentence } from '../protocol/client.ts';
 import { fill, h } from '../ui/dom.ts';
 import { effect, signal } from '../ui/signal.ts';
 import { assignment } from './assign.ts';
@@ -47,6 +47,7 @@ export function stagesPanel(studio: Studio): HTMLElement {
         void studio.pipeline.set(change.path, change.value);
       },
       unset: (path) => void studio.pipeline.unset(path),
+      parse,
       redraw: () => {
         redrawn.value = redrawn.peek() + 1;
       },
@@ -60,6 +61,17 @@ export function stagesPanel(studio: Studio): HTMLElement {
     keepFocus(form, () => fill(form, ...topLevel(host, fields)));
   });
   return h('div', { class: 'stages' }, form, yamlEditor(studio));
+}
+
+/** Asks the server, which reads YAML as it reads the pipeline. */
+async function parse(text: string): Promise<{ value: Json } | { problem: string }> {
+  try {
+    const { value, problem } = await api.yaml(text);
+    if (problem === null) return { value: value as Json };
+    return { problem: `${sentence(problem)} Write e.g. { clip: Run, fps: 24 }, [a, b] or a text in quotes.` };
+  } catch (error) {
+    return { problem: describeError(error).message };
+  }
 }
 
 /** Stages and mappings, then the plain settings. */

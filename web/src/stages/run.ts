@@ -1,9 +1,10 @@
 import type { Studio } from '../app/studio.ts';
 import { sentence } from '../protocol/client.ts';
-import type { Job, RunResult } from '../protocol/types.ts';
+import type { Job, RunResult, Worst } from '../protocol/types.ts';
 import { button, progressBar } from '../ui/controls.ts';
 import { fill, h } from '../ui/dom.ts';
 import { icon } from '../ui/icons.ts';
+import { prose } from '../ui/prose.ts';
 import { effect } from '../ui/signal.ts';
 import { verdict } from '../ui/verdict.ts';
 
@@ -57,18 +58,28 @@ function describe(job: Job): string {
   return `${what}${poses}${left}`;
 }
 
-/** What the last run wrote. */
-export function runReport(studio: Studio): HTMLElement {
-  const element = h('section', { class: 'block', 'aria-label': 'Last run' });
+/** What the last run found and wrote; `show` shows the place of a statistic. */
+export function runReport(studio: Studio, show: (worst: Worst) => void): HTMLElement {
+  const body = h('div', { class: 'run-body' });
+  const old = h('p', { class: 'doubt outdated', role: 'status' });
+  const element = h('section', { class: 'block', 'aria-label': 'Last run' }, h('h3', {}, 'Last run'), old, body);
+  const last = () => studio.jobs.value.find((other) => other.kind === 'run');
   effect(() => {
-    const job = studio.jobs.value.find((other) => other.kind === 'run');
+    const job = last();
     element.hidden = !job || job.state === 'running';
-    if (job) fill(element, h('h3', {}, 'Last run'), ...reportOf(job));
+    if (job) fill(body, ...reportOf(job, show));
+  });
+  effect(() => {
+    const of = last()?.result?.of;
+    const { markers, pipeline } = studio.live.revisions.value;
+    const project = studio.session.value?.project;
+    old.hidden = !of || (of.project === project && of.markers === markers && of.pipeline === pipeline);
+    old.textContent = old.hidden ? '' : 'Out of date: points or settings have changed since. Run again.';
   });
   return element;
 }
 
-function reportOf(job: Job): Node[] {
+function reportOf(job: Job, show: (worst: Worst) => void): Node[] {
   if (job.state === 'cancelled') return [h('p', {}, 'Cancelled. Nothing was written.')];
   if (job.state === 'failed') {
     return [
@@ -77,12 +88,38 @@ function reportOf(job: Job): Node[] {
       ...(job.error?.diagnostics ?? []).map((entry) => h('p', { class: 'problem' }, entry.message)),
     ];
   }
-  return job.result ? [...verdictOf(job.result, job.seconds), ...filesOf(job.result)] : [];
+  return job.result
+    ? [...verdictOf(job.result, job.seconds), ...summaryOf(job.result, show), ...filesOf(job.result)]
+    : [];
 }
 
 function verdictOf(result: RunResult, seconds: number): Node[] {
   const level = result.verdict;
   return [h('p', {}, level ? verdict(level) : null, ` ${OUTCOMES[result.status]} in ${seconds.toFixed(1)} s`)];
+}
+
+/** The sentences of the report: the whole in a few words, what is wrong, and what to do next. */
+function summaryOf(result: RunResult, show: (worst: Worst) => void): Node[] {
+  const { summary, worst, written } = result;
+  const report = written.find((file) => file.name.endsWith('.html'));
+  const faults = summary.faults.map(({ metric, sentence: text }) => {
+    const first = worst.find((one) => one.metric === metric);
+    return h(
+      'li',
+      {},
+      h('p', {}, sentence(text)),
+      first ? button({ label: first.words, icon: 'eye', run: () => show(first) }) : null,
+    );
+  });
+  return [
+    h('p', { class: 'total' }, sentence(summary.total)),
+    ...(faults.length > 0 ? [h('ul', { class: 'faults-of-run' }, ...faults)] : []),
+    h('h4', {}, 'What to do next'),
+    h('ol', { class: 'next-steps' }, ...summary.next_steps.map((step) => h('li', {}, ...prose(step)))),
+    ...(report
+      ? [h('p', {}, h('a', { href: report.url, target: '_blank', rel: 'noopener' }, 'Open the whole report'))]
+      : []),
+  ];
 }
 
 const OUTCOMES: Record<RunResult['status'], string> = {

@@ -270,20 +270,21 @@ export function rangeText(field: NumberField): string {
 /** The text of a value of any kind, as it may stand in YAML on one line. */
 export function flowText(value: Json | undefined): string {
   if (value === undefined) return '';
-  return typeof value === 'string' && !looksLikeJson(value) ? value : JSON.stringify(value);
-}
-
-/** The value of a text: JSON, which is YAML too, or else the text itself. */
-export function parseFlow(text: string): { value: Json } | { problem: string } {
-  const trimmed = text.trim();
-  if (!looksLikeJson(trimmed)) return { value: trimmed };
-  try {
-    return { value: JSON.parse(trimmed) as Json };
-  } catch {
-    return { problem: 'Write it as JSON here, e.g. ["a", "b"], or as YAML in the text beside.' };
+  if (typeof value === 'string') return plain(value) ? value : JSON.stringify(value);
+  if (Array.isArray(value)) return `[${value.map(flowText).join(', ')}]`;
+  if (isObject(value)) {
+    const entries = Object.entries(value).map(([key, inner]) => `${flowText(key)}: ${flowText(inner)}`);
+    return entries.length === 0 ? '{}' : `{ ${entries.join(', ')} }`;
   }
+  return JSON.stringify(value);
 }
 
-function looksLikeJson(text: string): boolean {
-  return /^([[{"]|-?\d+(\.\d+)?([eE][+-]?\d+)?$|true$|false$|null$)/.test(text);
+/** Whether YAML takes a text without quotes for itself, in collections too. */
+function plain(text: string): boolean {
+  if (text === '' || text.trim() !== text) return false;
+  if (/^[-+]?[.\d]/.test(text) && !Number.isNaN(Number(text))) return false;
+  if (/^(true|false|null|yes|no|on|off|y|n|~|\.inf|\.nan)$/i.test(text)) return false;
+  // Names of poses in braces and variables are read as they are written.
+  const bare = text.replace(/\$?\{[A-Za-z_]\w*\}/g, 'x');
+  return !/^[-?:,[\]{}#&*!|>'"%@`]|[[\]{},]|: |:$| #/.test(bare);
 }

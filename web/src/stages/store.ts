@@ -1,7 +1,10 @@
 import { api, describeError, RequestError } from '../protocol/client.ts';
 import type { Pipeline, Step } from '../protocol/types.ts';
-import { notify } from '../ui/notices.ts';
+import { notify, settle } from '../ui/notices.ts';
 import { signal } from '../ui/signal.ts';
+
+/** Of notices. */
+const TOPIC = 'pipeline';
 
 /** The pipeline in the page. Changes are sent one after another, each on the revision that the one before made. */
 export class PipelineStore {
@@ -31,6 +34,18 @@ export class PipelineStore {
     return this.change((base) => api.unsetValue(base, path));
   }
 
+  /** Takes back the last change of the pipeline, or does one again; whether it was done. */
+  async step(redo: boolean): Promise<boolean> {
+    const before = this.pipeline.peek()?.revision;
+    await this.change((base) => (redo ? api.redoPipeline(base) : api.undoPipeline(base)));
+    return this.pipeline.peek()?.revision !== before;
+  }
+
+  /** Resolves when the server has every change. */
+  settled(): Promise<void> {
+    return this.chain;
+  }
+
   setText(base: number, text: string): Promise<void> {
     return this.change(() => api.putPipeline(base, text));
   }
@@ -41,6 +56,7 @@ export class PipelineStore {
       try {
         this.receive(await send(this.pipeline.peek()?.revision ?? 0));
         this.conflict.value = null;
+        settle(TOPIC);
       } catch (error) {
         this.failed(error);
       }
@@ -59,11 +75,12 @@ export class PipelineStore {
         'The pipeline was changed elsewhere. Your last change was not saved.',
         'Look at the present text and change it again.',
         'error',
+        TOPIC,
       );
       return;
     }
     const { message, hint } = describeError(error);
-    notify(message, hint, 'error');
+    notify(message, hint, 'error', TOPIC);
   }
 }
 

@@ -3,6 +3,7 @@ import type { OpenRequest } from '../protocol/types.ts';
 import { button } from '../ui/controls.ts';
 import { h } from '../ui/dom.ts';
 import { icon } from '../ui/icons.ts';
+import { noticeLine } from '../ui/notices.ts';
 import { effect, signal } from '../ui/signal.ts';
 import { fileBrowser } from './browser.ts';
 import { dropArea } from './drop.ts';
@@ -25,6 +26,7 @@ export function startPage(studio: Studio): HTMLElement {
       { class: 'start-head' },
       h('h1', {}, 'Carry the poses of one mesh over to another'),
       h('p', {}, 'Choose a source that moves and a target that should move like it. Or open a pipeline.'),
+      noticeLine(),
     ),
     h(
       'div',
@@ -42,6 +44,7 @@ export function startPage(studio: Studio): HTMLElement {
         disabled: () => source.value === null || target.value === null,
       }),
     ),
+    sameFile(source, target),
     h(
       'div',
       { class: 'start-body' },
@@ -59,6 +62,17 @@ export function startPage(studio: Studio): HTMLElement {
       ),
     ),
   );
+}
+
+/** A mesh that takes its own poses is hardly meant. */
+function sameFile(source: { value: string | null }, target: { value: string | null }): HTMLElement {
+  const element = h('p', { class: 'doubt', role: 'alert' });
+  effect(() => {
+    const same = source.value !== null && source.value === target.value;
+    element.hidden = !same;
+    element.textContent = same ? 'Source and target are the same file. Clear one of them if that is a mistake.' : '';
+  });
+  return element;
 }
 
 function slot(title: string, hint: string, path: { value: string | null }): HTMLElement {

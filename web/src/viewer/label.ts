@@ -13,4 +13,8 @@ export interface Label {
   faint: boolean;
   selected: boolean;
   hovered: boolean;
+  /** Shows a place only: it cannot be grabbed. */
+  passive?: boolean;
+  /** From 1 to 0 while it fades. */
+  strength?: number;
 }

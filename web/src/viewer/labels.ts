@@ -104,7 +104,8 @@ export class LabelPainter {
   private write({ label, x, y, hidden }: Place, index: number): void {
     const [column, row] = this.atlas.cell(label);
     const [columns, rows] = this.atlas.grid;
-    const strength = hidden ? (label.selected ? 0.55 : 0.22) : label.faint ? 0.5 : 1;
+    const shown = hidden ? (label.selected ? 0.55 : 0.22) : label.faint ? 0.5 : 1;
+    const strength = shown * (label.strength ?? 1);
     // Whole pixels keep the digits sharp.
     const [left, top] = [Math.round(x) - DOT_X, Math.round(y) - DOT_Y];
     for (let corner = 0; corner < 4; corner++) {
@@ -147,7 +148,7 @@ function rank(label: Label): number {
 export function labelAt(view: View, x: number, y: number): Label | null {
   let best: Label | null = null;
   let least = Infinity;
-  for (const place of placesOf(view, true)) {
+  for (const place of placesOf(view, true).filter((other) => !other.label.passive)) {
     const toDot = Math.hypot(place.x - x, place.y - y);
     const toTag = Math.hypot(place.x + TAG_OFFSET - x, place.y - TAG_OFFSET - y);
     const distance = Math.min(toDot, toTag);

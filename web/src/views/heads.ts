@@ -33,17 +33,19 @@ function contents(pane: Pane, studio: Studio): HTMLElement {
       },
     });
   }
+  // Frames come many times a second; the choices change only when the words do.
+  const moved = computed(() => (studio.live.target.value?.header.channel === 'preview' ? 'Rough preview' : 'Result'));
   return select<TargetContent>({
     label: 'Target shows',
     quiet: true,
     options: () => [
-      { value: 'result', label: 'Result' },
+      { value: 'result', label: moved.value },
       { value: 'rest', label: 'At rest' },
-      { value: 'over_rest', label: 'Result over rest' },
+      { value: 'over_rest', label: `${moved.value} over rest` },
       ...(studio.session.value?.has_truth
         ? ([
             { value: 'truth', label: 'Truth' },
-            { value: 'over_truth', label: 'Result over truth' },
+            { value: 'over_truth', label: `${moved.value} over truth` },
           ] as const)
         : []),
     ],
@@ -76,14 +78,21 @@ function badge(studio: Studio): HTMLElement {
   // Frames come many times a second; the page changes only when the words do.
   const text = computed(() => {
     const channel = studio.live.target.value?.header.channel;
-    const computing = studio.live.states.value.result?.state === 'computing';
+    const state = studio.live.states.value.result;
     const content = display.target.value;
-    if (!channel || content === 'rest' || content === 'truth') return '';
-    return channel === 'result' ? 'Result' : computing ? 'Preview, result follows' : 'Preview';
+    // At rest both are the target's own shape.
+    if (channel !== 'preview' || content === 'rest' || content === 'truth') return '';
+    if (studio.dragged.value) return 'Rough preview';
+    if (studio.live.playing.value) return `Rough preview · ${studio.live.preparation()}`;
+    if (state?.state === 'failed' || state?.state === 'unavailable') {
+      return `Rough preview · no result: ${state.error?.message ?? 'it failed'}`;
+    }
+    return 'Rough preview · the result follows';
   });
   effect(() => {
     element.hidden = text.value === '';
     element.textContent = text.value;
+    element.title = 'The preview is quick and may be torn. The result is what a run writes.';
   });
   return element;
 }

@@ -1,6 +1,6 @@
 import type { DraggedPoint } from '../app/studio.ts';
 import { pairColour } from '../markers/colours.ts';
-import type { Pair } from '../protocol/types.ts';
+import type { Pair, Point, Side } from '../protocol/types.ts';
 import type { Label } from '../viewer/label.ts';
 import type { Pane } from './pane.ts';
 
@@ -9,7 +9,19 @@ export interface LabelState {
   selected: number | null;
   hovered: number | null;
   dragged: DraggedPoint | null;
+  place: Place | null;
 }
+
+/** A place that the page points at for a while. */
+export interface Place {
+  side: Side;
+  point: Point;
+  /** From 1 to 0 while it fades. */
+  strength: number;
+}
+
+/** Of the label of a place; pairs have no such id. */
+const PLACE_ID = Number.MIN_SAFE_INTEGER;
 
 /** The labels of the points of a pane's mesh, where they are now. */
 export function labelsOf(pane: Pane, state: LabelState): Label[] {
@@ -30,6 +42,21 @@ export function labelsOf(pane: Pane, state: LabelState): Label[] {
       hovered: pair.id === state.hovered || dragged,
     });
   }
+  const at = state.place?.side === pane.side ? pane.locate(state.place.point) : null;
+  if (state.place && at) {
+    labels.push({
+      id: PLACE_ID,
+      text: 'here',
+      colour: '#c81e4a',
+      ...at,
+      hollow: false,
+      faint: false,
+      selected: true,
+      hovered: false,
+      passive: true,
+      strength: state.place.strength,
+    });
+  }
   return labels;
 }
 
@@ -47,6 +74,7 @@ function same(a: Label, b: Label): boolean {
     a.faint === b.faint &&
     a.selected === b.selected &&
     a.hovered === b.hovered &&
+    a.strength === b.strength &&
     a.position.equals(b.position)
   );
 }

@@ -1,7 +1,7 @@
 import { display } from '../app/display.ts';
 import type { Meshes, Studio } from '../app/studio.ts';
 import { MarkerTool } from '../markers/tool.ts';
-import type { FrameScalar, Point, Session } from '../protocol/types.ts';
+import type { FrameScalar, Point, Session, Side } from '../protocol/types.ts';
 import { h } from '../ui/dom.ts';
 import { effect, signal } from '../ui/signal.ts';
 import { theme } from '../ui/theme.ts';
@@ -9,10 +9,15 @@ import type { ColourMapName } from '../viewer/colours.ts';
 import type { MeshData } from '../viewer/surface.ts';
 import { Viewer } from '../viewer/viewer.ts';
 import { StageCamera } from './camera.ts';
-import { labelsOf, sameLabels } from './labels.ts';
+import { labelsOf, type Place, sameLabels } from './labels.ts';
 import { paletteOf } from './palette.ts';
 import { Pane, type Role } from './pane.ts';
 import { listenToPointer, type PaneTool } from './pointer.ts';
+
+/** How long a place is pointed at, and how it goes. */
+const PLACE_MILLISECONDS = 6000;
+const FADE = [0.8, 0.6, 0.4, 0.2];
+const FADE_MILLISECONDS = 150;
 
 const XRAY_OPACITY = 0.35;
 const GHOST_OPACITY = 0.4;
@@ -31,6 +36,8 @@ export class Stage {
   readonly painted = signal<{ side: string; values: Float32Array } | null>(null);
   /** Components that a tool has chosen or hovers over. */
   readonly tinted = signal<{ side: string; components: ReadonlySet<number> } | null>(null);
+  private readonly place = signal<Place | null>(null);
+  private placeTimer = 0;
   private readonly studio: Studio;
   /** Count changes that later steps depend on: effects of one signal run in no fixed order. */
   private readonly surfaces = signal(0);
@@ -78,6 +85,18 @@ export class Stage {
       if (place) places.set(pane, place);
     }
     this.camera.flyTo(places);
+  }
+
+  /** Flies to a place and points at it for a while. */
+  showPlace(side: Side, point: Point): void {
+    this.flyToPoints(side === 'source' ? point : null, side === 'target' ? point : null);
+    window.clearTimeout(this.placeTimer);
+    this.place.value = { side, point, strength: 1 };
+    const fade = (step: number) => {
+      this.place.value = step < FADE.length ? { side, point, strength: FADE[step] } : null;
+      if (this.place.peek()) this.placeTimer = window.setTimeout(() => fade(step + 1), FADE_MILLISECONDS);
+    };
+    this.placeTimer = window.setTimeout(() => fade(0), PLACE_MILLISECONDS);
   }
 
   private arrange(roles: Role[]): void {
@@ -201,6 +220,7 @@ export class Stage {
       selected: studio.selected.value,
       hovered: studio.hovered.value,
       dragged: studio.dragged.value,
+      place: this.place.value,
     };
     // Points follow the surfaces that they lie on.
     void this.moved.value;

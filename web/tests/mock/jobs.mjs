@@ -36,6 +36,17 @@ export function startJob(project, kind, tell) {
             { name: 'report.html', path: 'out/report.html', bytes: 223111, url: '/api/output/1' },
           ],
           report: {},
+          summary: {
+            total: 'look at 2 things',
+            things: 2,
+            faults: [{ metric: 'edge_stretch', sentence: 'edges are longer or shorter than they should be' }],
+            next_steps: ['Look at pose `Walk 6`, the worst by edge stretch: its colours show where.'],
+          },
+          of: {
+            project: project.number,
+            markers: project.markers.revision,
+            pipeline: project.pipelineRevision,
+          },
           worst: project.worst(),
         };
     }

@@ -1,4 +1,5 @@
 // The document of markers as the protocol has it: merged by pair, with a history.
+import { nextOrder } from './order.mjs';
 
 export class MarkerDocument {
   constructor(pairs) {
@@ -15,7 +16,7 @@ export class MarkerDocument {
     const id = this.nextId++;
     return {
       id,
-      number: 0,
+      number: Math.max(0, ...this.pairs.map((other) => other.number)) + 1,
       colour: (id - 1) % 12,
       name: null,
       note: null,
@@ -31,15 +32,18 @@ export class MarkerDocument {
   }
 
   view() {
-    const pairs = this.pairs.map(({ respects, ...pair }, i) => ({ ...pair, number: i + 1 }));
+    const pairs = this.pairs.map(({ respects, ...pair }) => pair);
     return {
       revision: this.revision,
       file: 'camel-from-horse.markers.yaml',
+      exists: true,
       pairs,
       can_undo: this.past.length > 0,
       can_redo: this.future.length > 0,
       undo: this.past.at(-1)?.title ?? null,
+      undo_order: this.past.at(-1)?.order ?? null,
       redo: this.future.at(-1)?.title ?? null,
+      redo_order: this.future.at(-1)?.order ?? null,
       problems: [],
       disk: 'saved',
       disk_error: null,
@@ -88,7 +92,9 @@ export class MarkerDocument {
         pair.revision = this.revision;
       }
     });
-    this.past.push({ pairs: before, title: `${ops[0]?.op} ${ops[0]?.pair ?? ''}`.trim() });
+    const named = before.find((other) => other.id === ops[0]?.pair);
+    const title = `${ops[0]?.op} ${named ? (named.name ?? `point ${named.number}`) : 'a pair'}`;
+    this.past.push({ pairs: before, title, order: nextOrder() });
     this.future = [];
     const result = {
       markers: this.view(),
@@ -110,7 +116,7 @@ export class MarkerDocument {
       };
     }
     const step = from.pop();
-    to.push({ pairs: structuredClone(this.pairs), title: step.title });
+    to.push({ pairs: structuredClone(this.pairs), title: step.title, order: step.order });
     this.pairs = step.pairs;
     this.revision += 1;
     return { markers: this.view(), added: [], conflicts: [], mirrored: null };

@@ -2,6 +2,7 @@
 import YAML from 'yaml';
 import { animal, NAMED, nearestVertex, walk } from './animal.mjs';
 import { MarkerDocument } from './markers.mjs';
+import { nextOrder } from './order.mjs';
 
 const FRAMES = 24;
 
@@ -23,6 +24,9 @@ export class Project {
     this.markers = new MarkerDocument(proposals(this.meshes));
     this.pipelineRevision = 1;
     this.text = TEXT;
+    this.past = [];
+    this.future = [];
+    this.clip = 'Walk';
     this.masks = new Map();
     this.jobs = [];
   }
@@ -57,7 +61,7 @@ export class Project {
   makeSession() {
     const names = this.shapes
       ? ['jawOpen', 'smileLeft', 'smileRight', 'browUp', 'blink']
-      : Array.from({ length: FRAMES }, (_, i) => `Walk ${i}`);
+      : Array.from({ length: FRAMES }, (_, i) => `${this.clip} ${i}`);
     return {
       project: this.number,
       version: '0.1.0',
@@ -68,9 +72,15 @@ export class Project {
       poses: {
         are: this.shapes ? 'shapes' : 'frames',
         fps: this.shapes ? null : 24,
+        clips: this.shapes
+          ? []
+          : [
+              { name: 'Walk', seconds: 1, frames: FRAMES },
+              { name: 'Run', seconds: 0.5, frames: 12 },
+            ],
         list: names.map((name, i) => ({
           name,
-          clip: this.shapes ? null : 'Walk',
+          clip: this.shapes ? null : this.clip,
           seconds: this.shapes ? null : i / 24,
         })),
       },
@@ -129,15 +139,41 @@ export class Project {
       outputs: ['out/camel.glb', 'out/report.html'],
       disk: 'saved',
       disk_error: null,
+      undo: this.past.at(-1)?.title ?? null,
+      undo_order: this.past.at(-1)?.order ?? null,
+      redo: this.future.at(-1)?.title ?? null,
+      redo_order: this.future.at(-1)?.order ?? null,
     };
+  }
+
+  /** Takes a text for the pipeline, as a step of undo. */
+  take(text, title) {
+    this.past.push({ text: this.text, title, order: nextOrder() });
+    this.future = [];
+    this.text = text;
+    this.pipelineRevision += 1;
+  }
+
+  /** Undoes a step, or does one again. */
+  step(from, to) {
+    const step = from.pop();
+    to.push({ ...step, text: this.text });
+    this.text = step.text;
+    this.pipelineRevision += 1;
   }
 
   change(path, value) {
     const document = YAML.parseDocument(this.text);
     if (value === undefined) document.deleteIn(path);
     else document.setIn(path, document.createNode(value));
-    this.text = document.toString();
-    this.pipelineRevision += 1;
+    this.take(document.toString(), `set ${path.join('.')}`);
+    // Another clip is other poses of the same meshes.
+    const clip = path[1] === 'poses' && (value?.clip ?? value);
+    if (clip) {
+      this.clip = clip;
+      this.number += 1000;
+      this.made = null;
+    }
   }
 
   /** The positions of a channel for a pose; `drag` pulls the surface about a point, so that a drag can be seen. */
@@ -178,6 +214,8 @@ export class Project {
         metric: 'edge_stretch',
         title: 'edge stretch',
         value: 34.2,
+        words: 'edge stretch 34.2 %, above 25 %',
+        meaning: 'how far it is from what it should be',
         unit: '%',
         limit: 25,
         level: 'bad',
@@ -190,6 +228,8 @@ export class Project {
         metric: 'edge_stretch',
         title: 'edge stretch',
         value: 22.8,
+        words: 'edge stretch 22.8 %, above 25 %',
+        meaning: 'how far it is from what it should be',
         unit: '%',
         limit: 25,
         level: 'doubtful',
@@ -202,6 +242,8 @@ export class Project {
         metric: 'point_error',
         title: 'point error',
         value: 1.4,
+        words: 'point error 1.4 %, above 2 %',
+        meaning: 'how far it is from what it should be',
         unit: '% of the diagonal',
         limit: 2,
         level: 'good',

@@ -3,6 +3,7 @@ import { readFile } from 'node:fs/promises';
 import { createServer } from 'node:http';
 import { extname, join, normalize } from 'node:path';
 import { WebSocketServer } from 'ws';
+import YAML from 'yaml';
 import { writeContainer } from './container.mjs';
 import { folder } from './folder.mjs';
 import { startJob } from './jobs.mjs';
@@ -27,8 +28,8 @@ const POLICY =
   "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; font-src 'self'; connect-src 'self'; worker-src 'self' blob:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
 export class MockServer {
-  constructor({ dist, resolution = 60, open = true, shapes = false, delay = 0 }) {
-    Object.assign(this, { dist, resolution, shapes, delay, projects: 0, project: null, sockets: new Set() });
+  constructor({ dist, resolution = 60, open = true, shapes = false, delay = 0, ahead = 200 }) {
+    Object.assign(this, { dist, resolution, shapes, delay, ahead, projects: 0, project: null, sockets: new Set() });
     if (open) this.open();
     this.server = createServer((request, response) => this.answer(request, response));
     this.live = new WebSocketServer({ server: this.server, path: '/api/live' });
@@ -143,13 +144,23 @@ export class MockServer {
       );
     }
     if (route === 'GET /api/pipeline') return send(200, project.pipeline());
+    if (route === 'POST /api/yaml') {
+      try {
+        return send(200, { value: YAML.parse(json.text), problem: null });
+      } catch {
+        return send(200, { value: null, problem: 'this is no YAML' });
+      }
+    }
     if (/^(PUT|POST) \/api\/pipeline/.test(route)) {
       if (json.base !== project.pipelineRevision) return send(409, { conflict: project.pipeline() });
-      if (request.method === 'PUT') {
-        project.text = json.text;
-        project.pipelineRevision += 1;
-      } else project.change(json.path, route.endsWith('unset') ? undefined : json.value);
+      const before = project.number;
+      if (request.method === 'PUT') project.take(json.text, 'edit the text of the pipeline');
+      else if (route.endsWith('/undo')) project.step(project.past, project.future);
+      else if (route.endsWith('/redo')) project.step(project.future, project.past);
+      else project.change(json.path, route.endsWith('unset') ? undefined : json.value);
+      if (project.number !== before) this.broadcast({ type: 'session', session: project.session() });
       this.broadcast({ type: 'pipeline', pipeline: project.pipeline(), cause: 'edit' });
+      for (const socket of this.sockets) this.prepare(socket);
       return send(200, project.pipeline());
     }
     if (route === 'POST /api/run') return send(200, this.job('run'));
@@ -160,16 +171,20 @@ export class MockServer {
       this.broadcast({ type: 'job', job });
       return send(200, job);
     }
-    if (url.pathname.startsWith('/api/masks'))
-      return this.mask(request.method, url.pathname.split('/').slice(3), raw, json, send, response);
+    if (url.pathname.startsWith('/api/masks')) return this.mask(request.method, url, raw, json, send, response);
     return fail(404, 'no such route');
   }
 
-  mask(method, [side, name, components], raw, json, send, response) {
+  mask(method, url, raw, json, send, response) {
+    const [side, name, components] = url.pathname.split('/').slice(3);
     const { masks } = this.project;
     const key = `${side}/${name}`;
     const list = () => ({ masks: [...masks.values()].map(({ data, ...mask }) => mask) });
     if (!side) return send(200, list());
+    if (method === 'PUT' && masks.has(key) && url.searchParams.get('replace') !== 'true') {
+      const message = `${name} is there already`;
+      return send(409, { error: { code: 'conflict', message, hint: null, diagnostics: [] } });
+    }
     if (method === 'PUT') {
       const mask = {
         name: decodeURIComponent(name),
@@ -204,7 +219,10 @@ export class MockServer {
 
   connect(socket) {
     this.sockets.add(socket);
-    socket.on('close', () => this.sockets.delete(socket));
+    socket.on('close', () => {
+      clearInterval(socket.preparing);
+      this.sockets.delete(socket);
+    });
     socket.on('message', (data) => this.receive(socket, JSON.parse(data.toString())));
     const { project } = this;
     socket.send(
@@ -218,7 +236,11 @@ export class MockServer {
   }
 
   receive(socket, message) {
-    if (message.type === 'look') socket.look = message;
+    if (message.type === 'look') {
+      const scalar = socket.look?.scalar;
+      socket.look = message;
+      if (message.scalar !== scalar || !socket.preparing) this.prepare(socket);
+    }
     if (message.type === 'drag') socket.drag = message.point ? message : null;
     if (!this.project || !socket.look || socket.due) return;
     socket.due = true;
@@ -237,8 +259,27 @@ export class MockServer {
     }, this.delay);
   }
 
+  /** Results of all frames are there after `ahead` milliseconds. */
+  prepare(socket) {
+    if (!this.project || this.project.shapes || !socket.look) return;
+    clearInterval(socket.preparing);
+    const count = this.project.session().poses.list.length;
+    let done = 0;
+    const tell = () => {
+      const { markers, pipelineRevision: pipeline } = this.project;
+      const { scalar } = socket.look;
+      const message = { revision: markers.revision, pipeline, done, count, step: 1, scalar, error: null };
+      socket.send(JSON.stringify({ type: 'ahead', ...message }));
+      if (done === count) clearInterval(socket.preparing);
+      done = Math.min(done + Math.ceil(count / 4), count);
+    };
+    socket.preparing = setInterval(tell, this.ahead / 4);
+    tell();
+  }
+
   refresh() {
     for (const socket of this.sockets) {
+      this.prepare(socket);
       socket.drag = null;
       if (socket.look) this.frames(socket, ['preview', 'result']);
     }

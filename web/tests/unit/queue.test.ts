@@ -106,15 +106,15 @@ test('late news of an older revision is not taken', () => {
   assert.equal(queue.pairs.length, 0);
 });
 
-test('order and numbers follow', () => {
+test('order follows, and numbers stay', () => {
   const queue = new EditQueue(document(1, [pair(1), pair(2), pair(3)]));
   queue.push([{ op: 'reorder', pair: 3, before: 1 }], 'a');
   assert.deepEqual(
     queue.pairs.map((one) => [one.id, one.number]),
     [
-      [3, 1],
-      [1, 2],
-      [2, 3],
+      [3, 3],
+      [1, 1],
+      [2, 2],
     ],
   );
   queue.push([{ op: 'reorder', pair: 3, before: null }], 'b');

@@ -21,6 +21,7 @@ pub use self::{
     compare::{ComparedRun, average, best, columns, compare},
     content_policy::script_source,
     elements::{Image, PanelImages},
+    next_steps::next_steps,
     run::{Pictures, page},
     scene::{Coordinates, Scene, SceneField, SceneMesh, ScenePose, View3d},
 };

@@ -16,17 +16,17 @@ use crate::{
 const LANDMARKS: &str = "landmarks";
 
 /// Returns what to do next as a list, the most useful first; `help` are the commands of the host.
-pub fn next_steps(report: &Report, help: &HelpCommands) -> Markup {
+pub fn next_steps_section(report: &Report, help: &HelpCommands) -> Markup {
     html! {
         section {
             h2 { "What to do next" }
-            ol.next { @for step in steps(report, help) { li { (prose(&step)) } } }
+            ol.next { @for step in next_steps(report, help) { li { (prose(&step)) } } }
         }
     }
 }
 
-/// Returns what to do next, the most useful first; at least one sentence.
-fn steps(report: &Report, help: &HelpCommands) -> Vec<String> {
+/// Returns what to do next, the most useful first; at least one sentence. Names and commands stand in backticks.
+pub fn next_steps(report: &Report, help: &HelpCommands) -> Vec<String> {
     let mut steps = Vec::new();
     steps.extend(of_failed_poses(report, help));
     steps.extend(of_map_and_markers(report, help));

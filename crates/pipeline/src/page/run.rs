@@ -7,7 +7,7 @@ use super::{
     curves::curves,
     elements::{Image, PanelImages, document, figure},
     facts,
-    next_steps::next_steps,
+    next_steps::next_steps_section,
     poses,
     scene::View3d,
     view_3d,
@@ -45,7 +45,7 @@ pub fn page(report: &Report, pictures: &Pictures, help: &HelpCommands) -> String
             (facts::head(report, &title))
             (poses::meaning(report))
             (poses::shared(report))
-            (next_steps(report, help))
+            (next_steps_section(report, help))
             @if let Some(view) = &pictures.view_3d { (view_3d::section(view)) }
             (poses::worst(report, &pictures.worst))
             (poses::table(report))
@@ -78,6 +78,12 @@ fn sheet(images: &[Image], poses: usize) -> Markup {
             @if images.len() < poses { (images.len()) " of " (poses) " poses, spread over all of them. " }
             "Source and result are seen from the same side. What is seen from the back is dark red."
         }
-        div.sheet { @for image in images { (figure(image)) } }
+        div.sheet tabindex="0" {
+            @for image in images {
+                // Its panels are squares beside each other.
+                @let panels = image.size[0] / image.size[1].max(1);
+                div style=(format!("--panels: {panels}")) { (figure(image)) }
+            }
+        }
     }
 }

@@ -2,7 +2,7 @@
 
 use mimesh_core::spatial::EdgePaths;
 
-use super::{pair::LiveMarkers, result::Field};
+use super::{measure::Field, pair::LiveMarkers};
 use crate::{meshes::Meshes, scalars::CONFIDENCE_WORDS};
 
 /// The confidence of the pairs `live`; NaN on components without a pair, and where the nearest pair has no confidence.

@@ -7,8 +7,8 @@ use serde_json::{Value, json};
 
 use super::{
     look::{Channel, Look},
+    measure::Field,
     pair::LiveMarkers,
-    result::Field,
 };
 use crate::{
     container::{self, Numbers},
@@ -27,6 +27,8 @@ pub struct Shown<'a> {
     pub look: &'a Look,
     /// The markers that it was made with.
     pub live: &'a LiveMarkers,
+    /// The revision of the pipeline that it is of.
+    pub pipeline: u64,
     /// When its computation began.
     pub began: Instant,
 }
@@ -34,9 +36,13 @@ pub struct Shown<'a> {
 impl Shown<'_> {
     /// The frame with the vertices of a file at `positions`, coloured by `field`.
     pub fn frame(self, positions: &[Point3<f64>], field: Option<&Field>) -> Vec<u8> {
-        let Self { project, channel, look, live, began } = self;
-        let side = usize::from(channel != Channel::Source);
-        let positions = container::relative(positions, project.meshes.origins[side]);
+        let side = usize::from(self.channel != Channel::Source);
+        self.relative_frame(&container::relative(positions, self.project.meshes.origins[side]), field)
+    }
+
+    /// The same of positions that are relative to the origin of the mesh already.
+    pub fn relative_frame(self, positions: &[f32], field: Option<&Field>) -> Vec<u8> {
+        let Self { project, channel, look, live, pipeline, began } = self;
         let scalar = field.map(|field| {
             let name = look.scalar.as_deref().unwrap_or_default();
             let (title, unit) = (scalars::title(name), scalars::unit(field.words));
@@ -49,11 +55,11 @@ impl Shown<'_> {
             "drag": live.drag,
             "pose": look.pose,
             "revision": live.revision,
-            "pipeline": project.pipeline.revision(),
+            "pipeline": pipeline,
             "scalar": scalar,
             "milliseconds": (began.elapsed().as_secs_f64() * 1e4).round() / 10.0,
         });
-        let mut arrays = vec![("positions", Numbers::F32(&positions))];
+        let mut arrays = vec![("positions", Numbers::F32(positions))];
         if let Some(field) = field {
             arrays.push(("scalars", Numbers::F32(&field.values)));
         }

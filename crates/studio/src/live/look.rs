@@ -37,6 +37,9 @@ pub struct Look {
     /// The colour map.
     #[serde(default)]
     pub scalar: Option<String>,
+    /// Whether results of all frames are to be computed ahead, to be played.
+    #[serde(default)]
+    pub ahead: bool,
 }
 
 /// A point that is dragged; it changes no document.

@@ -68,7 +68,7 @@ fn confidence(content: &Content) -> f64 {
 /// The name of the incomplete pair `id`, and its point on side `k`.
 fn partner(project: &Project, id: u64, k: usize) -> Option<(String, mimesh_core::mesh::SurfacePoint)> {
     let (_, pairs) = project.markers.pairs();
-    let (i, pair) = pairs.iter().enumerate().find(|(_, pair)| pair.id == id)?;
+    let pair = pairs.iter().find(|pair| pair.id == id)?;
     let point: Point = pair.content.points[k].filter(|_| pair.content.status != Status::Skipped)?;
-    Some((pair.label(i), project.meshes.for_markers()[k].surface.point(point.into())?))
+    Some((pair.label(), project.meshes.for_markers()[k].surface.point(point.into())?))
 }

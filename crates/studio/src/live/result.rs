@@ -1,20 +1,18 @@
 //! The target by the pipeline's own transfer, bound again as markers change.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError, TryLockError};
 
-use mimesh_core::stage::{
-    BindInput, BoundTransfer, MetricContext, MetricInput, Posed, TransferPair, TriangleMap, Work,
-};
+use mimesh_core::stage::{BindInput, BoundTransfer, TransferPair, TriangleMap, Work};
 use mimesh_markers::IntoDiagnostic;
-use mimesh_pipeline::{input::read_evenly_spaced, metrics::MetricSet};
+use mimesh_pipeline::input::read_evenly_spaced;
 use nalgebra::Point3;
+use serde_json::{Value, json};
 
-use super::pair::LiveMarkers;
+use super::{frames::Frames, measure::Looked, pair::LiveMarkers};
 use crate::{
     cancel::Cancel,
     error::{ApiError, Code, Result},
     project::{Project, Ready},
-    worst::Worst,
 };
 
 /// The pipeline's own transfer, bound to the markers that were asked for last.
@@ -29,19 +27,12 @@ pub struct BoundResult {
     project: u64,
     live: LiveMarkers,
     ready: Arc<Ready>,
-    map: Option<TriangleMap>,
-    transfer: Box<dyn BoundTransfer>,
-}
-
-/// A colour of each vertex of the target's file.
-#[derive(Clone, Debug)]
-pub struct Field {
-    /// What it shows and its unit.
-    pub words: &'static str,
-    /// The numbers; NaN where unknown.
-    pub values: Vec<f32>,
-    /// The end of the colour scale.
-    pub high: f64,
+    /// What of the pipeline the result depends on.
+    stages: Value,
+    map: Option<Arc<TriangleMap>>,
+    transfer: Arc<dyn BoundTransfer>,
+    /// Frames that were computed ahead.
+    pub frames: Frames,
 }
 
 impl ResultEngine {
@@ -59,19 +50,40 @@ impl ResultEngine {
     ) -> Result<Arc<BoundResult>> {
         let ready = can_have_result(project)?;
         let mut bound = self.bound.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(bound) = &*bound
-            && bound.project == project.number
-            && bound.live.markers == live.markers
-            && Arc::ptr_eq(&bound.ready, &ready)
-        {
-            return Ok(bound.clone());
-        }
-        *bound = None;
-        cancel.check();
-        let new = Arc::new(bind(project.number, ready, live, cancel, report)?);
+        let before = bound.take_if(|bound| bound.project == project.number && bound.live.markers == live.markers);
+        let new = match before {
+            Some(same) if Arc::ptr_eq(&same.ready, &ready) => same,
+            // Another output, metric or gate changes no result.
+            Some(other) if other.stages == stages_of(&ready) => Arc::new(other.measured_by(ready)),
+            _ => {
+                *bound = None;
+                cancel.check();
+                Arc::new(bind(project.number, ready, live, cancel, report)?)
+            }
+        };
         *bound = Some(new.clone());
         Ok(new)
     }
+
+    /// The transfer that is bound to `live`, if it is there at once.
+    pub fn at_hand(&self, project: &Project, live: &LiveMarkers) -> Option<Arc<BoundResult>> {
+        let bound = match self.bound.try_lock() {
+            Ok(bound) => bound.clone()?,
+            Err(TryLockError::Poisoned(bound)) => bound.into_inner().clone()?,
+            Err(TryLockError::WouldBlock) => return None,
+        };
+        let ready = project.ready()?;
+        let is_present =
+            bound.project == project.number && bound.live.markers == live.markers && Arc::ptr_eq(&bound.ready, &ready);
+        is_present.then_some(bound)
+    }
+}
+
+/// What of the pipeline its result depends on, beside meshes and markers.
+fn stages_of(ready: &Ready) -> Value {
+    let pipeline = &ready.prepared.pipeline;
+    let formats = ready.prepared.document.value.get("formats");
+    json!([formats, pipeline.source, pipeline.target, pipeline.correspondence, pipeline.transfer, pipeline.proximity])
 }
 
 /// The pipeline, if it can give a result.
@@ -80,9 +92,9 @@ impl ResultEngine {
 ///
 /// [`Code::NotFound`] while the pipeline has mistakes, and if it has no transfer.
 pub fn can_have_result(project: &Project) -> Result<Arc<Ready>> {
-    let ready = project.ready().ok_or_else(|| {
-        ApiError::new(Code::NotFound, "the pipeline has mistakes, or is still being checked")
-            .hint("look at the pipeline")
+    let ready = project.ready().ok_or_else(|| match project.pipeline.is_checking() {
+        true => ApiError::new(Code::NotFound, "the pipeline is being checked"),
+        false => ApiError::new(Code::NotFound, "the pipeline has mistakes").hint("look at the pipeline under Stages"),
     })?;
     if ready.prepared.pipeline.transfer.is_none() {
         return Err(ApiError::new(Code::NotFound, "the pipeline has no transfer"));
@@ -137,10 +149,31 @@ fn bind(
     let watch = watched(name.clone());
     let input = BindInput { pair, map: map.as_ref(), poses: &poses, work: Work::new(&watch) };
     let bound = transfer.bind(input).map_err(refused(&name))?;
-    Ok(BoundResult { project, live: live.clone(), map, transfer: bound, ready: ready.clone() })
+    let (stages, map, transfer) = (stages_of(&ready), map.map(Arc::new), bound.into());
+    Ok(BoundResult {
+        project,
+        live: live.clone(),
+        stages,
+        map,
+        transfer,
+        ready: ready.clone(),
+        frames: Frames::default(),
+    })
 }
 
 impl BoundResult {
+    /// The same result, measured by other metrics.
+    fn measured_by(&self, ready: Arc<Ready>) -> Self {
+        let Self { project, live, stages, map, transfer, frames, .. } = self;
+        let (live, stages, map, transfer) = (live.clone(), stages.clone(), map.clone(), transfer.clone());
+        Self { project: *project, live, ready, stages, map, transfer, frames: frames.plain() }
+    }
+
+    /// The revision of the pipeline that it is of.
+    pub fn pipeline(&self) -> u64 {
+        self.ready.revision
+    }
+
     /// The target's file when the source's is at `posed`.
     ///
     /// # Errors
@@ -156,74 +189,6 @@ impl BoundResult {
     }
 }
 
-/// The target in a pose, to be measured.
-#[derive(Clone, Copy, Debug)]
-pub struct Looked<'a> {
-    /// The pipeline.
-    pub ready: &'a Ready,
-    /// The markers.
-    pub live: &'a LiveMarkers,
-    /// The map, if there is one.
-    pub map: Option<&'a TriangleMap>,
-    /// The vertices of the source's file.
-    pub source: &'a [Point3<f64>],
-    /// The vertices of the target's file.
-    pub target: &'a [Point3<f64>],
-    /// The known result.
-    pub truth: Option<&'a [Point3<f64>]>,
-}
-
-impl<'a> Looked<'a> {
-    fn context(&self) -> MetricContext<'a> {
-        let prepared = &self.ready.prepared;
-        let pair = TransferPair {
-            source: &prepared.source.surface,
-            target: prepared.target.seen_surface(),
-            markers: &self.live.markers,
-            proximity: prepared.proximity.as_ref().map(|proximity| &proximity.graph),
-        };
-        let rest = &prepared.target.sequence.rest;
-        MetricContext { rest, surface: pair.target, pair: Some(pair), map: self.map }
-    }
-
-    /// Gives the target to `measure` as metrics see it.
-    fn measure<T>(&self, measure: impl FnOnce(MetricInput<'_>) -> Option<T>) -> Option<T> {
-        let target = &self.ready.prepared.target;
-        let seen = |file: &[Point3<f64>]| Some(target.mirrored_positions(target.surface.from_mesh(file).ok()?));
-        let on_surface = seen(self.target)?;
-        let source = self.ready.prepared.source.surface.from_mesh(self.source).ok()?;
-        let truth_on_surface = self.truth.and_then(seen);
-        let ground_truth = self.truth.zip(truth_on_surface.as_deref()).map(|(mesh, surface)| Posed { mesh, surface });
-        let alone = MetricInput::alone(Posed { mesh: self.target, surface: &on_surface });
-        measure(MetricInput { ground_truth, source: Some(&source), ..alone })
-    }
-
-    /// What the metric `name` of the pipeline shows of the target, if it can.
-    pub fn field(&self, name: &str) -> Option<Field> {
-        let metric = self.ready.prepared.metrics.iter().find(|metric| metric.typetag_name() == name)?;
-        let bound = metric.bind(self.context()).ok()?;
-        let measured = self.measure(|input| bound.measure(input).ok())?;
-        let values: Vec<f32> = measured.field.iter().map(|value| *value as f32).collect();
-        let is_whole = values.len() == self.target.len();
-        is_whole.then_some(Field { words: measured.field_unit, values, high: measured.field_high })
-    }
-
-    /// What is above its limit in this pose, number `pose`, worst first.
-    pub fn worst(&self, pose: Option<usize>) -> Vec<Worst> {
-        let prepared = &self.ready.prepared;
-        let Ok(set) = MetricSet::bind(&prepared.metrics, self.context()) else { return vec![] };
-        let set = set.with_gates(&prepared.gates);
-        let Some(measured) = self.measure(|input| Some(set.measure(input))) else { return vec![] };
-        let metrics = measured.metrics();
-        let of_rest =
-            set.rest_verdict(&metrics).into_iter().flat_map(|verdict| verdict.reasons).map(|reason| (None, reason));
-        let of_pose =
-            set.verdict(&metrics).into_iter().flat_map(|verdict| verdict.reasons).map(|reason| (pose, reason));
-        let list = of_rest.chain(of_pose).map(|(pose, reason)| Worst::new(pose, &reason, prepared, Some(&measured)));
-        Worst::sorted(list.collect())
-    }
-}
-
 impl BoundResult {
     /// The target's file at `target`, to be measured; `source` is the source's file, `truth` the known result.
     pub fn looked<'a>(
@@ -232,6 +197,6 @@ impl BoundResult {
         target: &'a [Point3<f64>],
         truth: Option<&'a [Point3<f64>]>,
     ) -> Looked<'a> {
-        Looked { ready: &self.ready, live: &self.live, map: self.map.as_ref(), source, target, truth }
+        Looked { ready: &self.ready, live: &self.live, map: self.map.as_deref(), source, target, truth }
     }
 }

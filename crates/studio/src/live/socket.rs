@@ -8,7 +8,7 @@ use tokio::sync::{broadcast::error::RecvError, mpsc, watch};
 
 use super::{
     look::ToServer,
-    worker::{Page, ToPage, Wish},
+    page::{Page, ToPage, Wish},
 };
 use crate::{
     error::ApiError,
@@ -37,7 +37,7 @@ pub async fn serve(mut socket: WebSocket, studio: Arc<Studio>) {
     }
     let (wishes, receiver) = watch::channel(Wish::default());
     let (out, mut outgoing) = mpsc::channel(WAITING);
-    Page::attend(studio.clone(), &receiver, out);
+    Page { studio: studio.clone(), out }.attend(&receiver);
     let mut rate = Rate::new();
     loop {
         let sent = tokio::select! {

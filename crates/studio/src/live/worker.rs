@@ -1,84 +1,35 @@
 //! What is done for a page that looks: frames at once, and results a moment later.
 //!
-//! Two loops wait for something new to show. Each takes the newest wish only, so that a page that scrolls through poses, or drags a point,
+//! The loops wait for something new to show. Each takes the newest wish only, so that a page that scrolls through poses, or drags a point,
 //! never waits for what it does not want any more.
 
-use std::{
-    sync::{Arc, Mutex, PoisonError},
-    time::{Duration, Instant},
-};
+use std::time::Instant;
 
-use tokio::sync::{mpsc, watch};
+use tokio::sync::watch;
 
 use super::{
     confidence,
     frame::Shown,
-    look::{Channel, Drag, Look, PoseRef},
+    look::{Channel, Look},
+    measure::Looked,
+    page::{CALM, Page, Wish, failed, state, truth_at},
     pair::LiveMarkers,
-    result::{Looked, can_have_result},
+    result::can_have_result,
 };
 use crate::{
     cancel::{Cancel, Stopped},
     error::{ApiError, Code, Result},
-    events::{Event, LiveState, Message},
+    events::{LiveState, Message},
     project::Project,
     scalars,
-    studio::Studio,
 };
 
-/// A result is begun when nothing has changed for this long.
-const CALM: Duration = Duration::from_millis(120);
-
-/// Pages hear of a result under way no oftener than this.
-const STEP: Duration = Duration::from_millis(100);
-
-/// What a page wants to see.
-#[derive(Clone, Debug, Default)]
-pub struct Wish {
-    /// The last look.
-    pub look: Option<Look>,
-    /// The last drag.
-    pub drag: Option<Drag>,
-    /// The revision of the markers when it came; who changes its pair after that ends it.
-    pub dragged_at: u64,
-    /// Rises when markers or the pipeline have changed.
-    pub changes: u64,
-}
-
-impl Wish {
-    /// Takes note of what has changed.
-    pub fn changed(&mut self, event: &Event) {
-        self.changes += 1;
-        if let Event::Markers { markers, .. } = event
-            && self.drag.as_ref().is_some_and(|drag| markers.changed_since(drag.pair, self.dragged_at))
-        {
-            self.drag = None;
-        }
-    }
-}
-
-/// What goes to a page.
-#[derive(Clone, Debug)]
-pub enum ToPage {
-    /// A frame.
-    Frame(Vec<u8>),
-    /// A message.
-    Message(Message),
-}
-
-/// The way to a page.
-#[derive(Clone, Debug)]
-pub struct Page {
-    studio: Arc<Studio>,
-    out: mpsc::Sender<ToPage>,
-}
-
 impl Page {
-    /// Begins the two loops for a page that tells its wishes by `wishes`; they end with it.
-    pub fn attend(studio: Arc<Studio>, wishes: &watch::Receiver<Wish>, out: mpsc::Sender<ToPage>) {
-        let page = Self { studio, out };
-        tokio::spawn(page.clone().at_once(wishes.clone()));
-        tokio::spawn(page.a_moment_later(wishes.clone()));
+    /// Begins the loops for the page, which tells its wishes by `wishes`; they end with it.
+    pub fn attend(self, wishes: &watch::Receiver<Wish>) {
+        tokio::spawn(self.clone().at_once(wishes.clone()));
+        tokio::spawn(self.clone().a_moment_later(wishes.clone()));
+        tokio::spawn(self.ahead(wishes.clone()));
     }
 
     /// Source, truth and preview, whenever something is wished.
@@ -98,6 +49,7 @@ impl Page {
         let (Some(look), Some(project)) = (&wish.look, self.studio.current()) else { return };
         let is_new_look = before.and_then(|before| before.look.as_ref()) != Some(look);
         let began = Instant::now();
+        let pipeline = project.pipeline.revision();
         let source = match project.source_at(&look.pose) {
             Ok(source) => source,
             Err(error) => return self.tell_now(Message::Error { error }),
@@ -105,13 +57,14 @@ impl Page {
         let plain =
             LiveMarkers { revision: project.markers.revision(), drag: None, markers: vec![], confidences: vec![] };
         if look.channels.contains(&Channel::Source) && is_new_look {
-            let shown = Shown { project: &project, channel: Channel::Source, look, live: &plain, began };
+            let shown = Shown { project: &project, channel: Channel::Source, look, live: &plain, pipeline, began };
             self.frame(shown.frame(&source, None));
         }
         if look.channels.contains(&Channel::Truth) && is_new_look {
             match truth_at(&project, &look.pose) {
                 Some(truth) => {
-                    let shown = Shown { project: &project, channel: Channel::Truth, look, live: &plain, began };
+                    let shown =
+                        Shown { project: &project, channel: Channel::Truth, look, live: &plain, pipeline, began };
                     self.frame(shown.frame(&truth, None));
                 }
                 None => {
@@ -120,11 +73,12 @@ impl Page {
                 }
             }
         }
-        if look.channels.contains(&Channel::Result)
-            && is_new_look
-            && let Err(error) = can_have_result(&project)
-        {
-            self.tell_now(state("result", LiveState::Unavailable, plain.revision, Some(error)));
+        if look.channels.contains(&Channel::Result) && is_new_look {
+            if let Err(error) = can_have_result(&project) {
+                self.tell_now(state("result", LiveState::Unavailable, plain.revision, Some(error)));
+            } else if wish.drag.is_none() && self.computed_before(&project, look) {
+                return;
+            }
         }
         if !look.channels.contains(&Channel::Preview) {
             return;
@@ -144,12 +98,25 @@ impl Page {
                     }
                     _ => None,
                 });
-                let shown = Shown { project: &project, channel: Channel::Preview, look, live: &live, began };
+                let shown = Shown { project: &project, channel: Channel::Preview, look, live: &live, pipeline, began };
                 self.frame(shown.frame(&target, colours.as_ref()));
                 self.tell_now(state("preview", LiveState::Ready, live.revision, None));
             }
             Err(error) => self.tell_now(state("preview", failed(&error), live.revision, Some(error))),
         }
+    }
+
+    /// Sends the result of a frame that was computed ahead; whether it was.
+    fn computed_before(&self, project: &Project, look: &Look) -> bool {
+        let began = Instant::now();
+        let live = LiveMarkers::new(project, None);
+        let Some(index) = look.pose.index() else { return false };
+        let Some(bound) = self.studio.results.at_hand(project, &live) else { return false };
+        let Some((positions, field)) = bound.frames.get(index, look.scalar.as_deref()) else { return false };
+        let pipeline = bound.pipeline();
+        let shown = Shown { project, channel: Channel::Result, look, live: &live, pipeline, began };
+        self.frame(shown.relative_frame(&positions, field.as_deref()));
+        true
     }
 
     /// The pipeline's own result, when nothing has changed for a moment.
@@ -165,20 +132,25 @@ impl Page {
                     break;
                 }
                 shown = None;
-                let cancel = Cancel::default();
-                let (page, stop, of) = (self.clone(), cancel.clone(), wish.clone());
-                let mut work = tokio::task::spawn_blocking(move || stop.run(|| page.slow(&of, &stop)));
+                // Another pose stops the frame, and other markers or settings also the binding, which all poses share.
+                let (cancel, unbind) = (Cancel::default(), Cancel::default());
+                let (page, stop, stop_binding, of) = (self.clone(), cancel.clone(), unbind.clone(), wish.clone());
+                let mut work = tokio::task::spawn_blocking(move || stop.run(|| page.slow(&of, &stop, &stop_binding)));
                 let done = loop {
                     tokio::select! {
                         done = &mut work => break Some(done),
                         changed = wishes.changed() => match changed {
                             Ok(()) if !is_same_result(&wish, &wishes.borrow()) => {
                                 cancel.cancel();
-                                break None;
+                                if wish.changes != wishes.borrow().changes {
+                                    unbind.cancel();
+                                    break None;
+                                }
                             }
                             Ok(()) => {}
                             Err(_) => {
                                 cancel.cancel();
+                                unbind.cancel();
                                 return;
                             }
                         },
@@ -190,6 +162,7 @@ impl Page {
                         self.tell(state("result", LiveState::Failed, 0, Some(error))).await;
                         break;
                     }
+                    Some(Ok(Err(Stopped::Cancelled))) => {}
                     Some(_) => {
                         shown = Some(wish);
                         break;
@@ -200,14 +173,14 @@ impl Page {
         }
     }
 
-    fn slow(&self, wish: &Wish, cancel: &Cancel) {
+    fn slow(&self, wish: &Wish, cancel: &Cancel, unbind: &Cancel) {
         let (Some(look), Some(project)) = (&wish.look, self.studio.current()) else { return };
         if !look.channels.contains(&Channel::Result) {
             return;
         }
         let began = Instant::now();
         let live = LiveMarkers::new(&project, None);
-        match self.slow_frame(&project, look, &live, cancel, began) {
+        match self.slow_frame(&project, look, &live, [cancel, unbind], began) {
             Ok(()) => {}
             Err(error) => self.tell_now(state("result", failed(&error), live.revision, Some(error))),
         }
@@ -218,27 +191,12 @@ impl Page {
         project: &Project,
         look: &Look,
         live: &LiveMarkers,
-        cancel: &Cancel,
+        [cancel, unbind]: [&Cancel; 2],
         began: Instant,
     ) -> Result<()> {
         let source = project.source_at(&look.pose)?;
-        let told: Mutex<Option<(String, Instant)>> = Mutex::new(None);
-        let report = |stage: &str, share: f64| {
-            let mut told = told.lock().unwrap_or_else(PoisonError::into_inner);
-            if told.as_ref().is_some_and(|(name, at)| name == stage && at.elapsed() < STEP) {
-                return;
-            }
-            *told = Some((stage.into(), Instant::now()));
-            self.tell_now(Message::Live {
-                channel: "result",
-                state: LiveState::Computing,
-                revision: live.revision,
-                stage: Some(stage.into()),
-                share: Some(share),
-                error: None,
-            });
-        };
-        let bound = self.studio.results.bound(project, live, cancel, &report)?;
+        let report = self.computing(live.revision);
+        let bound = self.studio.results.bound(project, live, unbind, &report)?;
         cancel.check();
         let target = bound.at(&source)?;
         cancel.check();
@@ -248,7 +206,7 @@ impl Page {
             scalars::CONFIDENCE => Some(confidence::field(&project.meshes, live)),
             _ => looked.field(name),
         });
-        let shown = Shown { project, channel: Channel::Result, look, live, began };
+        let shown = Shown { project, channel: Channel::Result, look, live, pipeline: bound.pipeline(), began };
         self.frame(shown.frame(&target, colours.as_ref()));
         self.tell_now(state("result", LiveState::Ready, live.revision, None));
         cancel.check();
@@ -256,46 +214,9 @@ impl Page {
         self.tell_now(Message::Worst { channel: "result", revision: live.revision, list });
         Ok(())
     }
-
-    fn frame(&self, bytes: Vec<u8>) {
-        // The page may be gone; else this waits until it takes the frame.
-        let _ = self.out.blocking_send(ToPage::Frame(bytes));
-    }
-
-    fn tell_now(&self, message: Message) {
-        let _ = self.out.blocking_send(ToPage::Message(message));
-    }
-
-    async fn tell(&self, message: Message) {
-        let _ = self.out.send(ToPage::Message(message)).await;
-    }
 }
 
 /// Whether both wishes have the same result: a drag alone has no other.
 fn is_same_result(a: &Wish, b: &Wish) -> bool {
     a.look == b.look && a.changes == b.changes
-}
-
-fn state(channel: &'static str, state: LiveState, revision: u64, error: Option<ApiError>) -> Message {
-    Message::Live { channel, state, revision, stage: None, share: None, error }
-}
-
-/// Something that is missing is no failure.
-fn failed(error: &ApiError) -> LiveState {
-    if error.code == Code::NotFound { LiveState::Unavailable } else { LiveState::Failed }
-}
-
-/// The vertices of the target's file in a pose, if they are known.
-fn truth_at(project: &Project, pose: &PoseRef) -> Option<Vec<nalgebra::Point3<f64>>> {
-    let ready = project.ready()?;
-    let prepared = &ready.prepared;
-    let rest = &prepared.target.sequence.rest;
-    match pose {
-        PoseRef::Rest if !prepared.truth.is_none() => Some(rest.positions.clone()),
-        PoseRef::Index { index } => {
-            let name = &prepared.poses.get(*index)?.name;
-            prepared.truth.positions(*index, name, rest, &prepared.formats).ok().flatten()
-        }
-        _ => None,
-    }
 }

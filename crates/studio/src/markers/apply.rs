@@ -215,7 +215,7 @@ impl MarkerDocument {
     /// What an edit does, in words for the user.
     pub(super) fn title(&self, ops: &[Op]) -> String {
         let Some(first) = ops.first() else { return String::new() };
-        let label = |id: &u64| self.position(*id).map_or_else(|| "a pair".into(), |i| self.pairs[i].label(i));
+        let label = |id: &u64| self.position(*id).map_or_else(|| "a pair".into(), |i| self.pairs[i].title());
         let title = match first {
             Op::Add { name, .. } => format!("add {}", name.as_deref().unwrap_or("a pair")),
             Op::Move { pair, point: Some(_), .. } => format!("move {}", label(pair)),

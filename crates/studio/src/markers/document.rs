@@ -32,6 +32,8 @@ pub struct MarkerDocument {
     pub(super) pairs: Vec<Arc<Pair>>,
     /// The id of the next pair.
     pub(super) next_id: u64,
+    /// The number of the next pair.
+    pub(super) next_number: usize,
     pub(super) history: History,
     /// The last edits with what became of them.
     done: HashMap<String, EditResult>,
@@ -45,6 +47,7 @@ impl MarkerDocument {
             revision: 1,
             pairs: vec![],
             next_id: 1,
+            next_number: 1,
             history: History::default(),
             done: HashMap::new(),
             order: VecDeque::new(),
@@ -145,6 +148,17 @@ impl MarkerDocument {
             Arc::new(pair)
         });
         self.pairs = restored.collect();
+        self.next_number = self.next_number.max(self.largest_number() + 1);
+    }
+
+    /// The largest number of a pair.
+    pub(super) fn largest_number(&self) -> usize {
+        self.pairs.iter().map(|pair| pair.number).max().unwrap_or_default()
+    }
+
+    /// Forgets what was taken back; whether there was any.
+    pub fn forget_redo(&mut self) -> bool {
+        self.history.forget_redo()
     }
 
     /// Makes the present pairs a new revision and a step of undo, unless they are those of `before`.
@@ -184,11 +198,13 @@ impl MarkerDocument {
         }
     }
 
-    /// A pair with an id of its own.
+    /// A pair with an id and a number of its own.
     pub(super) fn new_pair(&mut self, content: Content, origin: Origin, change: &Change) -> Arc<Pair> {
         let id = self.next_id;
         self.next_id += 1;
-        Arc::new(Pair { id, content, origin, changes: std::array::from_fn(|_| change.clone()) })
+        let number = self.next_number;
+        self.next_number += 1;
+        Arc::new(Pair { id, number, content, origin, changes: std::array::from_fn(|_| change.clone()) })
     }
 
     /// The pairs that no stage can use as they are, each with the side and the reason.
@@ -196,13 +212,13 @@ impl MarkerDocument {
         let mut problems = Vec::new();
         for (side, mesh) in [Side::Source, Side::Target].into_iter().zip(meshes) {
             let mut seen = HashMap::new();
-            for (i, pair) in self.pairs.iter().enumerate() {
+            for pair in &self.pairs {
                 let Some(point) = pair.content.points[side.index()] else { continue };
                 if let Some(message) = indices::missing(mesh, point.into()) {
                     problems.push((pair.id, side, message));
                 } else if pair.content.status != Status::Skipped
                     && let Some(key) = place(mesh, point)
-                    && let Some(other) = seen.insert(key, pair.label(i))
+                    && let Some(other) = seen.insert(key, pair.title())
                 {
                     let message = format!("lies on the same point of the {} as {other}", mesh.role);
                     problems.push((pair.id, side, message));

@@ -3,6 +3,7 @@
 use std::{collections::VecDeque, sync::Arc};
 
 use super::pair::Pair;
+use crate::order;
 
 /// How many steps are kept.
 const MAX_STEPS: usize = 2_000;
@@ -20,6 +21,8 @@ pub struct History {
 pub struct Step {
     /// What was done, e.g. `move nose`.
     pub title: String,
+    /// Where it stands among the steps of all histories.
+    pub order: u64,
     /// The pairs before.
     pub before: Vec<Arc<Pair>>,
     /// The pairs after.
@@ -29,12 +32,19 @@ pub struct Step {
 impl History {
     /// Adds a step; what was taken back before is forgotten.
     pub fn push(&mut self, title: String, before: Vec<Arc<Pair>>, after: Vec<Arc<Pair>>) {
-        self.steps.truncate(self.done);
-        self.steps.push_back(Step { title, before, after });
+        self.forget_redo();
+        self.steps.push_back(Step { title, order: order::next(), before, after });
         if self.steps.len() > MAX_STEPS {
             self.steps.pop_front();
         }
         self.done = self.steps.len();
+    }
+
+    /// Forgets what was taken back; whether there was any.
+    pub fn forget_redo(&mut self) -> bool {
+        let had = self.steps.len() > self.done;
+        self.steps.truncate(self.done);
+        had
     }
 
     /// The step that undo takes back.

@@ -1,6 +1,6 @@
 //! Taking in what somebody else made of the file, or a stage of the proposals.
 
-use std::sync::Arc;
+use std::{collections::HashSet, sync::Arc};
 
 use super::{
     document::MarkerDocument,
@@ -36,6 +36,7 @@ impl MarkerDocument {
         let change = Change { revision: self.revision + 1, client: "".into() };
         self.pairs.retain(|pair| pair.content.status != Status::Proposed);
         let kept = self.pairs.clone();
+        let mut free = free_numbers(&kept);
         let is_taken = |proposal: &Content| kept.iter().any(|pair| shares_point(proposal, &pair.content));
         for mut content in proposals.into_iter().filter(|proposal| !is_taken(proposal)) {
             if content.name.is_some() && self.pairs.iter().any(|pair| pair.content.name == content.name) {
@@ -50,10 +51,19 @@ impl MarkerDocument {
                 Some(pair) => changed(pair, content, &change),
                 None => self.new_pair(content, Origin::Proposed, &change),
             };
-            self.pairs.push(pair);
+            // Proposals that go leave no gaps.
+            let number = free.next().unwrap_or(pair.number);
+            self.pairs.push(if pair.number == number { pair } else { Arc::new(Pair { number, ..(*pair).clone() }) });
         }
+        self.next_number = self.largest_number() + 1;
         self.commit(before, "propose".into())
     }
+}
+
+/// The numbers that none of `pairs` has, from 1.
+fn free_numbers(pairs: &[Arc<Pair>]) -> impl Iterator<Item = usize> + use<> {
+    let taken: HashSet<usize> = pairs.iter().map(|pair| pair.number).collect();
+    (1..).filter(move |number| !taken.contains(number))
 }
 
 /// Whether two pairs have the same point of a side.

@@ -14,6 +14,8 @@ pub const COLOURS: u64 = 12;
 pub struct Pair {
     /// Stays the same for the life of the project, and is never used twice.
     pub id: u64,
+    /// The number on its labels, from 1; it stays when other pairs are deleted.
+    pub number: usize,
     /// What the user sees and changes.
     pub content: Content,
     /// Who made it.
@@ -217,9 +219,14 @@ impl Pair {
         self.changes.iter().map(|change| change.revision).max().unwrap_or_default()
     }
 
-    /// The name for messages: the user's, or the number `i` + 1.
-    pub fn label(&self, i: usize) -> String {
-        self.content.name.clone().unwrap_or_else(|| (i + 1).to_string())
+    /// The name for stages: the user's, or its number.
+    pub fn label(&self) -> String {
+        self.content.name.clone().unwrap_or_else(|| self.number.to_string())
+    }
+
+    /// The name for people: the user's, or e.g. `point 12`.
+    pub fn title(&self) -> String {
+        self.content.name.clone().unwrap_or_else(|| format!("point {}", self.number))
     }
 }
 

@@ -9,13 +9,13 @@ use std::{
 use mimesh_core::stage::Marker;
 use mimesh_document::{Diagnostics, diagnostic};
 use mimesh_markers::{MarkerFile, formats::yaml};
-use serde::Serialize;
 
 use super::{
     document::MarkerDocument,
-    edit::{Conflict, Edit, EditResult, Mirrored},
+    edit::{Edit, EditResult},
     file,
-    pair::{COLOURS, Content, Origin, Pair, Point, Side, Status},
+    pair::{Content, Origin, Pair, Status},
+    view::{DiskState, EditView, MarkersView},
 };
 use crate::{durable, error::Result, meshes::Meshes};
 
@@ -36,88 +36,6 @@ struct State {
     unreadable: Option<Vec<u8>>,
     disk: DiskState,
     disk_error: Option<String>,
-}
-
-/// How the file stands to the document.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum DiskState {
-    /// It holds the document.
-    Saved,
-    /// Somebody else made something of it that cannot be read.
-    ChangedElsewhere,
-    /// It cannot be written.
-    Failed,
-}
-
-/// The document as pages see it.
-#[derive(Clone, Debug, Serialize)]
-pub struct MarkersView {
-    /// The revision.
-    pub revision: u64,
-    file: PathBuf,
-    pairs: Vec<PairView>,
-    can_undo: bool,
-    can_redo: bool,
-    undo: Option<String>,
-    redo: Option<String>,
-    problems: Vec<Problem>,
-    disk: DiskState,
-    disk_error: Option<String>,
-}
-
-impl MarkersView {
-    /// Whether the pair `id` was changed after `revision`, or is gone.
-    pub fn changed_since(&self, id: u64, revision: u64) -> bool {
-        self.pairs.iter().find(|pair| pair.id == id).is_none_or(|pair| pair.revision > revision)
-    }
-}
-
-#[derive(Clone, Debug, Serialize)]
-struct PairView {
-    id: u64,
-    number: usize,
-    colour: u64,
-    name: Option<String>,
-    note: Option<String>,
-    source: Option<Point>,
-    target: Option<Point>,
-    status: Status,
-    confidence: Option<f64>,
-    origin: Origin,
-    revision: u64,
-}
-
-#[derive(Clone, Debug, Serialize)]
-struct Problem {
-    pair: u64,
-    side: Side,
-    message: String,
-    hint: &'static str,
-}
-
-/// What became of an edit, with the document after it.
-#[derive(Clone, Debug, Serialize)]
-pub struct EditView {
-    /// The document.
-    #[serde(serialize_with = "crate::shared::serialize")]
-    pub markers: Arc<MarkersView>,
-    added: Vec<Option<u64>>,
-    /// The operations that were not done.
-    pub conflicts: Vec<ConflictView>,
-    mirrored: Option<Mirrored>,
-    /// Whether the document has changed.
-    #[serde(skip)]
-    pub is_changed: bool,
-}
-
-/// An operation that was not done, with the pair as it is.
-#[derive(Clone, Debug, Serialize)]
-pub struct ConflictView {
-    op: usize,
-    pair: Option<u64>,
-    reason: String,
-    current: Option<PairView>,
 }
 
 /// Pairs that stages can use, at a revision.
@@ -212,6 +130,11 @@ impl MarkerStore {
         self.view_of_edit(&state, before, EditResult::default())
     }
 
+    /// Forgets what was taken back; whether there was any.
+    pub fn forget_redo(&self) -> bool {
+        self.lock().document.forget_redo()
+    }
+
     /// Takes in what somebody else made of the file. Whether anything has changed, also in how the file stands.
     pub fn refresh(&self) -> bool {
         let mut state = self.lock();
@@ -233,7 +156,7 @@ impl MarkerStore {
             let [Some(source), Some(target)] = pair.content.points else { continue };
             let on = (meshes[0].surface.point(source.into()), meshes[1].surface.point(target.into()));
             let (Some(source), Some(target)) = on else { continue };
-            usable.markers.push(Marker { name: pair.label(i), source, target });
+            usable.markers.push(Marker { name: pair.label(), source, target });
             usable.ids.push(pair.id);
             usable.contents.push(pair.content.clone());
         }
@@ -302,60 +225,13 @@ impl MarkerStore {
     }
 
     fn view_of(&self, state: &State) -> Arc<MarkersView> {
-        let document = &state.document;
-        let history = document.history();
-        let problems = document.problems(self.meshes.for_markers()).into_iter().map(|(pair, side, message)| Problem {
-            pair,
-            side,
-            message,
-            hint: "move the point, or delete the pair",
-        });
-        Arc::new(MarkersView {
-            revision: document.revision(),
-            file: self.file.clone(),
-            pairs: document.pairs().iter().enumerate().map(|(i, pair)| view_of_pair(pair, i)).collect(),
-            can_undo: history.last().is_some(),
-            can_redo: history.next().is_some(),
-            undo: history.last().map(|step| step.title.clone()),
-            redo: history.next().map(|step| step.title.clone()),
-            problems: problems.collect(),
-            disk: state.disk,
-            disk_error: state.disk_error.clone(),
-        })
+        let disk = (state.disk, state.disk_error.clone());
+        Arc::new(MarkersView::new(&state.document, self.meshes.for_markers(), &self.file, state.known.is_some(), disk))
     }
 
     fn view_of_edit(&self, state: &State, before: u64, result: EditResult) -> EditView {
-        let EditResult { added, conflicts, mirrored } = result;
-        let current = |id: u64| {
-            let i = state.document.position(id)?;
-            Some(view_of_pair(&state.document.pairs()[i], i))
-        };
-        let conflict =
-            |Conflict { op, pair, reason }| ConflictView { op, pair, reason, current: pair.and_then(current) };
-        EditView {
-            markers: self.view_of(state),
-            added,
-            conflicts: conflicts.into_iter().map(conflict).collect(),
-            mirrored,
-            is_changed: state.document.revision() != before,
-        }
-    }
-}
-
-fn view_of_pair(pair: &Pair, i: usize) -> PairView {
-    let Content { name, note, points: [source, target], status, confidence } = pair.content.clone();
-    PairView {
-        id: pair.id,
-        number: i + 1,
-        colour: (pair.id - 1) % COLOURS,
-        name,
-        note,
-        source,
-        target,
-        status,
-        confidence,
-        origin: pair.origin,
-        revision: pair.revision(),
+        let is_changed = state.document.revision() != before;
+        EditView::new(self.view_of(state), &state.document, result, is_changed)
     }
 }
 

@@ -10,10 +10,14 @@ use mimesh_document::{Document, Step, diagnostic, files, include};
 use serde::Serialize;
 use serde_json::Value;
 
-use super::{check::Checked, set};
+use super::{
+    check::Checked,
+    history::{TYPED, TextHistory, title},
+    set,
+};
 use crate::{
     durable,
-    error::{ApiDiagnostic, ApiError, Result},
+    error::{ApiDiagnostic, ApiError, Code, Result},
     markers::DiskState,
 };
 
@@ -35,6 +39,7 @@ struct State {
     checked: Arc<Checked>,
     /// The revision that `checked` is about.
     checked_revision: u64,
+    history: TextHistory,
 }
 
 /// The pipeline as pages see it.
@@ -53,6 +58,10 @@ pub struct PipelineView {
     outputs: Vec<PathBuf>,
     disk: DiskState,
     disk_error: Option<String>,
+    undo: Option<String>,
+    undo_order: Option<u64>,
+    redo: Option<String>,
+    redo_order: Option<u64>,
 }
 
 impl PipelineStore {
@@ -77,6 +86,7 @@ impl PipelineStore {
             disk_error: None,
             checked: Arc::default(),
             checked_revision: 0,
+            history: TextHistory::default(),
         };
         Ok(Self { file, state: Mutex::new(state) })
     }
@@ -106,12 +116,22 @@ impl PipelineStore {
             outputs: state.checked.outputs.clone(),
             disk: state.disk,
             disk_error: state.disk_error.clone(),
+            undo: state.history.last().map(|step| step.title.clone()),
+            undo_order: state.history.last().map(|step| step.order),
+            redo: state.history.next().map(|step| step.title.clone()),
+            redo_order: state.history.next().map(|step| step.order),
         })
     }
 
     /// The revision.
     pub fn revision(&self) -> u64 {
         self.lock().revision
+    }
+
+    /// Whether the check of the present text is under way.
+    pub fn is_checking(&self) -> bool {
+        let state = self.lock();
+        state.checked_revision != state.revision
     }
 
     /// The pipeline with what it includes, and the included files; with the revision.
@@ -145,7 +165,7 @@ impl PipelineStore {
         if state.revision != base {
             return None;
         }
-        self.change(&mut state, text);
+        self.change(&mut state, text, TYPED.into());
         Some(())
     }
 
@@ -154,17 +174,54 @@ impl PipelineStore {
     /// # Errors
     ///
     /// If the text is no YAML, or has nothing in which the value could stand.
-    pub fn set(&self, base: Option<u64>, path: &[Step], value: Option<&Value>) -> Result<Option<()>> {
+    pub fn set(&self, base: u64, path: &[Step], value: Option<&Value>) -> Result<Option<()>> {
         let mut state = self.lock();
         self.take_in(&mut state);
-        if base.is_some_and(|base| base != state.revision) {
+        if base != state.revision {
             return Ok(None);
         }
-        let text = set::set(&state.text, path, value).map_err(|problem| {
-            ApiError::new(crate::error::Code::Unprocessable, problem).hint("change the text itself")
-        })?;
-        self.change(&mut state, text);
+        let text = changed(&state.text, path, value)?;
+        self.change(&mut state, text, title(path, value));
         Ok(Some(()))
+    }
+
+    /// Sets the value at `path` by the server itself, which no undo takes back, and saves the text.
+    ///
+    /// # Errors
+    ///
+    /// As [`set`](Self::set).
+    pub fn set_silently(&self, path: &[Step], value: &Value) -> Result<()> {
+        let mut state = self.lock();
+        self.take_in(&mut state);
+        let text = changed(&state.text, path, Some(value))?;
+        state.history.set_everywhere(path, value);
+        self.replace(&mut state, text);
+        self.save(&mut state);
+        Ok(())
+    }
+
+    /// Takes back the last step, or does it again (`redo`), and saves that; `None` if `base` is not the present revision any more.
+    ///
+    /// # Errors
+    ///
+    /// If there is no such step.
+    pub fn undo(&self, base: u64, redo: bool) -> Result<Option<()>> {
+        let mut state = self.lock();
+        self.take_in(&mut state);
+        if base != state.revision {
+            return Ok(None);
+        }
+        let text = if redo { state.history.forward() } else { state.history.back() };
+        let what = if redo { "redo" } else { "undo" };
+        let text = text.ok_or_else(|| ApiError::new(Code::Conflict, format!("there is nothing to {what}")))?;
+        self.replace(&mut state, text);
+        self.save(&mut state);
+        Ok(Some(()))
+    }
+
+    /// Forgets what was taken back; whether there was any.
+    pub fn forget_redo(&self) -> bool {
+        self.lock().history.forget_redo()
     }
 
     /// Saves a text that was never saved.
@@ -192,6 +249,14 @@ impl PipelineStore {
         state.revision == revision
     }
 
+    /// Notes what is wrong with `revision` as far as it is known before the check of the whole pipeline ends.
+    pub fn found(&self, revision: u64, diagnostics: Vec<ApiDiagnostic>) {
+        let mut state = self.lock();
+        if state.revision == revision && state.checked_revision != revision {
+            state.checked = Arc::new(Checked { diagnostics, ..(*state.checked).clone() });
+        }
+    }
+
     fn lock(&self) -> MutexGuard<'_, State> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -204,17 +269,24 @@ impl PipelineStore {
         }
         (state.known, state.exists, state.disk, state.disk_error) = (Some(hash), true, DiskState::Saved, None);
         if text != state.text {
-            state.text = text;
-            state.revision += 1;
+            state.history.push("changes in the file".into(), state.text.clone(), text.clone());
+            self.replace(state, text);
         }
     }
 
-    fn change(&self, state: &mut State, text: String) {
+    fn change(&self, state: &mut State, text: String, title: String) {
+        if text != state.text {
+            state.history.push(title, state.text.clone(), text.clone());
+            self.replace(state, text);
+        }
+        self.save(state);
+    }
+
+    fn replace(&self, state: &mut State, text: String) {
         if text != state.text {
             state.text = text;
             state.revision += 1;
         }
-        self.save(state);
     }
 
     fn save(&self, state: &mut State) {
@@ -226,4 +298,10 @@ impl PipelineStore {
             Err(error) => (state.disk, state.disk_error) = (DiskState::Failed, Some(error.to_string())),
         }
     }
+}
+
+/// The text with another value at `path`.
+fn changed(text: &str, path: &[Step], value: Option<&Value>) -> Result<String> {
+    set::set(text, path, value)
+        .map_err(|problem| ApiError::new(Code::Unprocessable, problem).hint("change the text itself"))
 }

@@ -6,6 +6,9 @@ use serde::Serialize;
 use super::state::Project;
 use crate::{meshes::MeshFacts, scalars::ScalarView};
 
+/// Frames a second of a clip where nobody says it.
+const USUAL_RATE: f64 = 24.0;
+
 /// What is open, in words and numbers.
 #[derive(Clone, Debug, Serialize)]
 pub struct SessionView {
@@ -25,7 +28,16 @@ pub struct SessionView {
 struct PosesView {
     are: &'static str,
     fps: Option<f64>,
+    clips: Vec<ClipView>,
     list: Vec<PoseView>,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct ClipView {
+    name: String,
+    seconds: f64,
+    /// Frames at the rate that the poses have now.
+    frames: usize,
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -72,6 +84,14 @@ impl SessionView {
             clip: pose.time.as_ref().map(|time| time.clip.clone()),
             seconds: pose.time.as_ref().map(|time| time.seconds),
         });
+        let rate = project.fps.unwrap_or(USUAL_RATE);
+        let clips = project.clips.iter().map(|(name, seconds)| ClipView {
+            name: name.clone(),
+            seconds: *seconds,
+            // The ends are frames both; what is lost by rounding counts.
+            frames: (seconds * rate + 1e-6).floor() as usize + 1,
+        });
+        let clips = clips.collect();
         let are = match project.poses_are {
             PosesAre::Frames => "frames",
             PosesAre::Shapes => "shapes",
@@ -81,7 +101,7 @@ impl SessionView {
             name: Some(project.name.clone()),
             source: facts(0),
             target: facts(1),
-            poses: Some(PosesView { are, fps: project.fps, list: list.collect() }),
+            poses: Some(PosesView { are, fps: project.fps, clips, list: list.collect() }),
             scalars: ready.as_ref().map(|ready| ready.scalars.clone()).unwrap_or_default(),
             has_truth: ready.is_some_and(|ready| !ready.prepared.truth.is_none()),
             ..empty

@@ -86,24 +86,42 @@ impl Project {
             }
             Opening::Pair { source, target } => pair(source, target),
         };
-        let pipeline = PipelineStore::open(file, text)?;
+        Self::read(Arc::new(PipelineStore::open(file, text)?), None, context)
+    }
+
+    /// The same pipeline, which names other meshes or poses now. Markers stay with their history where both meshes are as they were.
+    ///
+    /// # Errors
+    ///
+    /// As [`open`](Self::open).
+    pub fn reopened(&self, context: &Context) -> diagnostic::Result<Self> {
+        Self::read(self.pipeline.clone(), Some(self), context)
+    }
+
+    fn read(pipeline: Arc<PipelineStore>, before: Option<&Self>, context: &Context) -> diagnostic::Result<Self> {
         let (document, included) = pipeline.document().1?;
         let opened_by = meshes_of(&document.value);
         let read = prepare_posed_meshes(document, included, &context.options(pipeline.file()), context.cache.as_ref())?;
         let PosedMeshes { source, target, poses, poses_are, fps, units, formats, markers, landmarks, warnings: _ } =
             read;
         let fps = fps.or_else(|| fps_of(&poses));
+        let clips = source.sequence.animations.iter().map(|clip| (clip.name.clone(), clip.seconds)).collect();
         let meshes = Arc::new(Meshes::new(Arc::new(source), Arc::new(target)));
         let own = paths::stem(pipeline.file());
         let own = pipeline.file().with_file_name(format!("{own}.markers.yaml"));
         let (file, initial) = initial_markers(markers.as_ref(), own, &meshes, &formats);
-        let markers = MarkerStore::open(file, meshes.clone(), initial)?;
+        let same = before.filter(|before| before.markers.file() == file && before.meshes.are_like(&meshes));
+        let markers = match same {
+            Some(before) => before.markers.clone(),
+            None => Arc::new(MarkerStore::open(file, meshes.clone(), initial)?),
+        };
         Ok(Self {
             number: number(),
             name: paths::stem(pipeline.file()),
             meshes,
             poses,
             poses_are,
+            clips,
             fps,
             formats,
             units,

@@ -23,6 +23,8 @@ pub struct Project {
     pub poses: Vec<PoseInput>,
     /// What the poses are to each other.
     pub poses_are: PosesAre,
+    /// The clips of the source's file, with their seconds.
+    pub clips: Vec<(String, f64)>,
     /// The frames a second of a clip.
     pub fps: Option<f64>,
     /// The formats, with the pipeline's settings.
@@ -32,9 +34,9 @@ pub struct Project {
     /// The stage that proposes markers, if the pipeline names one.
     pub landmarks: Option<Box<dyn Landmarks>>,
     /// The document of markers.
-    pub markers: MarkerStore,
+    pub markers: Arc<MarkerStore>,
     /// The pipeline.
-    pub pipeline: PipelineStore,
+    pub pipeline: Arc<PipelineStore>,
     /// The part of the pipeline's value by which the meshes were read.
     pub(super) opened_by: Value,
     /// Poses that were read lately.
@@ -81,7 +83,7 @@ impl Project {
         let file = self.markers.file();
         let name = file.strip_prefix(folder).unwrap_or(file).to_string_lossy().into_owned();
         // A text that is no YAML is left as it is; the next change of markers tries again.
-        let _ = self.pipeline.set(None, &path(["markers"]), Some(&name.into()));
+        let _ = self.pipeline.set_silently(&path(["markers"]), &name.into());
     }
 }
 

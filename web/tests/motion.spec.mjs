@@ -1,0 +1,221 @@
+// Playing results, clips, one history, messages, free values of forms, and what becomes of masks.
+import assert from 'node:assert/strict';
+import { test } from 'node:test';
+import { atRest, openPage, pairs, saved, studioOfFile } from './browser.mjs';
+import { freePlace } from './places.mjs';
+import { mocked, serve } from './servers.mjs';
+
+const studio = studioOfFile({ resolution: 50, ahead: 4000 });
+
+const channel = (page) => page.evaluate(() => window.mimesh.studio.live.target.peek()?.header.channel);
+const shownOption = (page) =>
+  page.evaluate(() => document.querySelector('.pane-result select').selectedOptions[0].textContent);
+
+test('play shows the rough preview with a loud word, and the result as soon as all frames are there', async () => {
+  const page = await studio.open();
+  await page.focus('.pane-source .pane-surface');
+  // A change of points takes all results away.
+  const [first] = await pairs(page);
+  await page.evaluate((id) => {
+    const { markers } = window.mimesh.studio;
+    markers.edit({ op: 'note', pair: id, note: 'x' });
+  }, first.id);
+  await saved(page);
+  await page.keyboard.press('Space');
+  await page.waitForFunction(() => window.mimesh.studio.live.target.peek()?.header.channel === 'preview');
+  // All of it at one moment, since the results come meanwhile.
+  const said = await page.evaluate(() => {
+    const [badge, choice] = ['.shown-badge', 'select'].map((one) => document.querySelector(`.pane-result ${one}`));
+    const { channel: of } = window.mimesh.studio.live.target.peek().header;
+    return { of, badge: badge.hidden ? '' : badge.textContent, choice: choice.selectedOptions[0].textContent };
+  });
+  if (said.of === 'preview') {
+    assert.match(said.badge, /^Rough preview · /);
+    assert.equal(said.choice, 'Rough preview');
+  } else assert.deepEqual(said, { of: 'result', badge: '', choice: 'Result' });
+  await page.waitForFunction(() => window.mimesh.studio.live.playable.value !== null);
+  await page.waitForFunction(() => window.mimesh.studio.live.target.peek()?.header.channel === 'result');
+  // It stays the result, frame after frame.
+  const start = await page.evaluate(() => window.mimesh.studio.live.target.peek().header.look);
+  await page.waitForFunction((look) => window.mimesh.studio.live.target.peek().header.look > look + 5, start);
+  assert.equal(await channel(page), 'result');
+  assert.equal(await shownOption(page), 'Result');
+  assert.equal(await page.locator('.pane-result .shown-badge:visible').count(), 0);
+  await page.keyboard.press('Space');
+  await page.waitForTimeout(200);
+  const stopped = await page.evaluate(() => JSON.stringify(window.mimesh.studio.live.pose.peek()));
+  await page.waitForTimeout(300);
+  assert.equal(await page.evaluate(() => JSON.stringify(window.mimesh.studio.live.pose.peek())), stopped);
+  assert.deepEqual(page.errors, []);
+  await page.close();
+});
+
+test('clips of the source are listed, and another one is chosen', { skip: !mocked }, async () => {
+  const page = await studio.open();
+  const options = await page.locator('.clip-choice option').allTextContents();
+  assert.deepEqual(options, ['Walk · 1.00 s, 24 frames', 'Run · 0.50 s, 12 frames']);
+  await page.selectOption('.clip-choice select', 'Run');
+  await page.waitForFunction(() => window.mimesh.studio.session.peek().poses.list[0].clip === 'Run');
+  await page.waitForFunction(() => window.mimesh.studio.phase.peek().name === 'ready');
+  assert.deepEqual(await page.evaluate(() => window.mimesh.studio.pipeline.pipeline.peek().value.source.poses), {
+    clip: 'Run',
+  });
+  await page.evaluate(() => window.mimesh.studio.history.step(false));
+  assert.deepEqual(page.errors, []);
+  await page.close();
+});
+
+test('points and settings are undone in the order in which they were done, and the page says what', async () => {
+  const page = await studio.open();
+  const pair = (await pairs(page)).find((one) => one.source && one.target);
+  await page.evaluate((id) => {
+    window.mimesh.studio.markers.edit({ op: 'rename', pair: id, name: 'first-name' });
+  }, pair.id);
+  await saved(page);
+  await page.evaluate(() => window.mimesh.studio.pipeline.set(['output'], 'other.glb'));
+  assert.match(await page.getAttribute('[aria-label="Undo"]', 'title'), /Undo: set output/);
+  await page.click('[aria-label="Undo"]');
+  await page.waitForFunction(() =>
+    /Undid: set output/.test(document.querySelector('.view-bar .notice-text').textContent),
+  );
+  await page.click('[aria-label="Undo"]');
+  await page.waitForFunction(() => /Undid: renamed/.test(document.querySelector('.view-bar .notice-text').textContent));
+  assert.equal((await pairs(page)).find((one) => one.id === pair.id).name, pair.name);
+  await page.click('[aria-label="Redo"]');
+  await page.waitForFunction(() =>
+    /Did again: renamed/.test(document.querySelector('.view-bar .notice-text').textContent),
+  );
+  await page.click('[aria-label="Undo"]');
+  await page.waitForFunction((n) => window.mimesh.studio.markers.pairs.peek().some((one) => one.name === n), pair.name);
+  assert.deepEqual(page.errors, []);
+  await page.close();
+});
+
+test('messages cover no mesh, before and after they vanish', async () => {
+  const page = await studio.open();
+  for (let i = 0; i < 4; i++)
+    await page.evaluate((n) => window.mimesh.studio.markers.onNotice({ text: `Told ${n}`, hint: 'A hint.' }), i);
+  await page.waitForSelector('.notice-line strong:visible');
+  const line = await page.locator('.view-bar .notice-line').boundingBox();
+  for (const pane of ['.pane-source', '.pane-result']) {
+    const view = await page.locator(`${pane} .pane-surface`).boundingBox();
+    assert.ok(line.y + line.height <= view.y, pane);
+  }
+  await page.click('.notice-line button:has-text("All")');
+  assert.ok((await page.locator('.messages .notice').count()) >= 4);
+  assert.deepEqual(page.errors, []);
+  await page.close();
+});
+
+test('numbers of points stay when another is deleted', async () => {
+  const page = await studio.open();
+  const before = await pairs(page);
+  await page.evaluate((id) => window.mimesh.studio.markers.edit({ op: 'delete', pair: id }), before[1].id);
+  await saved(page);
+  const numbers = (list) => list.map((one) => [one.id, one.number]);
+  assert.deepEqual(numbers(await pairs(page)), numbers(before.filter((_, i) => i !== 1)));
+  await page.evaluate(() => window.mimesh.studio.history.step(false));
+  assert.deepEqual(numbers(await pairs(page)), numbers(before));
+  await page.close();
+});
+
+// It names settings of the pipeline of the mock.
+test('free values are YAML, and Tab moves on', { skip: !mocked }, async () => {
+  const page = await studio.open();
+  await page.click('#tab-stages');
+  const field = '[data-path="output"]';
+  await page.waitForSelector(field);
+  assert.equal(await page.inputValue(field), '[out/camel.glb, out/report.html]');
+  await page.fill(field, '[a.glb, { b: 1');
+  await page.press(field, 'Tab');
+  await page.waitForSelector('.field-problem:visible');
+  assert.notEqual(await page.evaluate(() => document.activeElement.dataset.path), 'output');
+  await page.fill(field, '[a.glb, b.html]');
+  await page.press(field, 'Tab');
+  await page.waitForFunction(() => document.querySelector('.yaml').value.includes('b.html'));
+  assert.deepEqual(await page.evaluate(() => window.mimesh.studio.pipeline.pipeline.peek().value.output), [
+    'a.glb',
+    'b.html',
+  ]);
+  // The button that the focus had gone to is drawn anew, and has it again.
+  assert.equal(await page.evaluate(() => document.activeElement.dataset.path), 'output:reset');
+  const { width } = await page.locator(field).boundingBox();
+  assert.ok(width > 250, `${width}`);
+  // In the text Tab indents, and Escape lets the next one move on.
+  await page.focus('.yaml');
+  await page.keyboard.press('Tab');
+  assert.equal(await page.evaluate(() => document.activeElement.className), 'yaml');
+  await page.keyboard.press('Escape');
+  await page.keyboard.press('Tab');
+  assert.notEqual(await page.evaluate(() => document.activeElement.className), 'yaml');
+  assert.deepEqual(page.errors, []);
+  await page.close();
+});
+
+test('each kind of mask has a name of its own, overwriting asks, and a saved one goes into the pipeline', {
+  skip: !mocked,
+}, async () => {
+  const page = await studio.open();
+  await page.click('#tab-paint');
+  const name = '[aria-label="Save"] input[maxlength="60"]';
+  assert.equal(await page.inputValue(name), 'weights');
+  await page.click('text=Fill');
+  await page.click('[aria-label="Save"] .primary');
+  await page.waitForSelector('.masks .link');
+  // The same mask again asks nothing.
+  await page.click('text=Invert');
+  await page.click('[aria-label="Save"] .primary');
+  await page.waitForFunction(() => /saved/.test(document.querySelector('[aria-label="Save"] .muted').textContent));
+  assert.equal(await page.locator('dialog[open]').count(), 0);
+  await page.selectOption('.paint select >> nth=0', 'components');
+  assert.equal(await page.inputValue(name), 'rigid');
+  await page.fill(name, 'weights');
+  await page.click('[aria-label="Save"] .primary');
+  await page.waitForSelector('dialog[open]');
+  await page.click('dialog >> text=Keep it');
+  await page.fill(name, 'rigid');
+  const place = await freePlace(page, 'result');
+  await page.mouse.click(place.x, place.y);
+  await page.click('[aria-label="Save"] .primary');
+  await page.waitForFunction(() => document.querySelectorAll('.masks .link').length === 2);
+  await page.click('text=Use in the pipeline');
+  await page.waitForFunction(() => window.mimesh.studio.pipeline.pipeline.peek().value.transfer.rigid?.length === 1);
+  await page.click('.masks .link >> text=weights');
+  await page.click('text=Use in the pipeline');
+  await page.waitForFunction(() => window.mimesh.studio.pipeline.pipeline.peek().value.shapes?.masks['*']);
+  await page.close();
+});
+
+test('a run has sentences, its places are pointed at, and it is out of date after a change', {
+  skip: !mocked,
+}, async () => {
+  const own = await serve({ resolution: 50 });
+  const page = await openPage(studio.browser, own.url);
+  await page.click('.run-control .primary');
+  await page.waitForSelector('.total');
+  assert.equal(await page.textContent('.total'), 'Look at 2 things.');
+  assert.equal(await page.locator('.outdated:visible').count(), 0);
+  const place = () => page.evaluate(() => window.mimesh.stage.pane('result').view.labels.find((one) => one.passive));
+  await page.click('.faults-of-run .button');
+  await atRest(page);
+  assert.equal((await place()).text, 'here');
+  assert.deepEqual(await page.evaluate(() => window.mimesh.studio.live.pose.peek()), { index: 6 });
+  // The place fades, and does not come between a hand and the points.
+  await page.waitForFunction(() => !window.mimesh.stage.pane('result').view.labels.some((one) => one.passive));
+  await page.evaluate(() => window.mimesh.studio.pipeline.set(['output'], 'x.glb'));
+  await page.waitForSelector('.outdated:visible');
+  assert.deepEqual(page.errors, []);
+  await page.close();
+  await own.close();
+});
+
+test('one file for source and target is warned of', { skip: !mocked }, async () => {
+  const empty = await serve({ resolution: 40, open: false });
+  const page = await openPage(studio.browser, empty.url, { ready: false });
+  await page.waitForSelector('.entry.mesh');
+  await page.click('text=horse.glb');
+  await page.click('.entry.mesh >> text=horse.glb');
+  await page.waitForSelector('text=Source and target are the same file.');
+  await page.close();
+  await empty.close();
+});

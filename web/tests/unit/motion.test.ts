@@ -1,0 +1,76 @@
+import assert from 'node:assert/strict';
+import { test } from 'node:test';
+import { past } from '../../src/app/past.ts';
+import { nearestFrame, playableStep, preparation } from '../../src/live/ahead.ts';
+import { chosenClip, clipSetting } from '../../src/live/clip.ts';
+import { readable } from '../../src/markers/order.ts';
+import { maskSetting, rigidSetting } from '../../src/paint/setting.ts';
+import type { Ahead } from '../../src/protocol/types.ts';
+
+const present = { revision: 4, pipeline: 2, scalar: null };
+const ahead: Ahead = { revision: 4, pipeline: 2, done: 30, count: 30, step: 1, scalar: null, error: null };
+
+test('results are played only when all of them are there, and of the present state', () => {
+  assert.equal(playableStep(ahead, present), 1);
+  assert.equal(playableStep({ ...ahead, step: 3 }, present), 3);
+  assert.equal(playableStep({ ...ahead, done: 12 }, present), null);
+  assert.equal(playableStep(ahead, { ...present, revision: 5 }), null);
+  assert.equal(playableStep(ahead, { ...present, pipeline: 3 }), null);
+  assert.equal(playableStep(ahead, { ...present, scalar: 'edge_stretch' }), null);
+  assert.equal(playableStep(null, present), null);
+  assert.equal(playableStep({ ...ahead, done: 0, count: 0 }, present), null);
+});
+
+test('what is missing is told in words', () => {
+  assert.match(preparation({ ...ahead, done: 12 }, present), /12 of 30 frames/);
+  assert.match(preparation({ ...ahead, done: 12 }, { ...present, revision: 5 }), /being prepared/);
+  const error = { code: 'x', message: 'three pairs are needed', hint: null, diagnostics: [] };
+  assert.match(preparation({ ...ahead, error }, present), /three pairs are needed/);
+});
+
+test('of a clip with some frames the nearest before is played', () => {
+  assert.deepEqual(
+    [0, 1, 2, 3, 7].map((frame) => nearestFrame(frame, 3)),
+    [0, 0, 0, 3, 6],
+  );
+});
+
+test('another clip keeps the other settings of the poses', () => {
+  const pose = (clip: string | null) => ({ name: '', clip, seconds: null });
+  assert.equal(chosenClip({ list: [pose('Run'), pose('Run')] }), 'Run');
+  assert.equal(chosenClip({ list: [pose('Run'), pose('Walk')] }), '*');
+  assert.equal(chosenClip({ list: [pose(null)] }), null);
+  assert.deepEqual(clipSetting({ source: { rest: 'a.glb' } }, 'Run'), {
+    path: ['source', 'poses'],
+    value: { clip: 'Run' },
+  });
+  assert.deepEqual(clipSetting({ source: { poses: { clip: 'Walk', fps: 12 } } }, 'Run'), {
+    path: ['source', 'poses', 'clip'],
+    value: 'Run',
+  });
+  assert.deepEqual(clipSetting({ source: { poses: 'a-*.obj' } }, 'Run').value, { clip: 'Run' });
+});
+
+test('a mask goes where the pipeline takes it, beside what is there', () => {
+  const at = (pipeline: unknown) => maskSetting(pipeline, 'jaw*', '/x/jaw.target.mask.json');
+  const file = { file: 'jaw.target.mask.json' };
+  assert.deepEqual([at({}).path, at({}).value], [['shapes'], { masks: { 'jaw*': file } }]);
+  assert.deepEqual(at({ shapes: { only: 'a' } }).path, ['shapes', 'masks']);
+  assert.deepEqual(at({ shapes: { masks: { '*': file } } }).path, ['shapes', 'masks', 'jaw*']);
+  const rigid = rigidSetting({ transfer: { type: 'gradient' } }, ['eye 1']);
+  assert.deepEqual([rigid.path, rigid.value], [['transfer'], { type: 'multi_component', rigid: ['eye 1'] }]);
+  assert.deepEqual(rigidSetting({ transfer: { type: 'multi_component', k: 1 } }, ['eye 1']).path, [
+    'transfer',
+    'rigid',
+  ]);
+});
+
+test('names and steps read well', () => {
+  assert.equal(readable('limb2-1'), 'Limb 2, point 1');
+  assert.equal(readable('place-3'), 'Place, point 3');
+  assert.equal(readable('left-1'), 'left-1');
+  assert.equal(readable('nose'), 'nose');
+  assert.equal(past('move point 12'), 'moved point 12');
+  assert.equal(past('set transfer.type to gradient'), 'set transfer.type to gradient');
+  assert.equal(past('changes in the file'), 'changes in the file');
+});
