@@ -9,8 +9,9 @@ use std::{
 
 use mimesh_core::{
     Error, Result,
-    stage::{BytesInput, FileInput, ReadAt},
+    stage::{FileInput, ReadAt},
 };
+use mimesh_document::files;
 
 /// The folders whose regular files a mesh file may open; links are resolved first.
 ///
@@ -68,18 +69,17 @@ impl FileInput for FileOnDisk<'_> {
     }
 
     fn contents(&self) -> Result<Cow<'_, [u8]>> {
-        Ok(fs::read(&self.path).map_err(|error| Error::read(&self.path, error))?.into())
+        let failed = |error| Error::read(&self.path, error);
+        files::check_regular(&self.path).map_err(failed)?;
+        Ok(fs::read(&self.path).map_err(failed)?.into())
     }
 
     fn open(&self) -> Result<Box<dyn ReadAt>> {
         let failed = |error| Error::read(&self.path, error);
+        files::check_regular(&self.path).map_err(failed)?;
         let file = fs::File::open(&self.path).map_err(failed)?;
-        let metadata = file.metadata().map_err(failed)?;
-        if metadata.is_file() {
-            return Ok(Box::new(OpenFile { path: self.path.clone(), file, length: metadata.len() }));
-        }
-        // A pipe has no parts.
-        Ok(Box::new(BytesInput::new(&self.path, self.contents()?)))
+        let length = file.metadata().map_err(failed)?.len();
+        Ok(Box::new(OpenFile { path: self.path.clone(), file, length }))
     }
 
     fn referenced(&self, reference: &str) -> Result<Vec<u8>> {
@@ -152,7 +152,24 @@ fn is_same(a: &fs::Metadata, b: &fs::Metadata) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use mimesh_core::stage::BytesInput;
+
     use super::*;
+
+    #[cfg(unix)]
+    #[test]
+    fn pipes_and_devices_are_refused_before_they_are_opened() {
+        let folder = tempfile::tempdir().unwrap();
+        let pipe = folder.path().join("pipe.obj");
+        assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+        let reach = Reach::default();
+        for (path, kind) in [(pipe, "a named pipe"), ("/dev/zero".into(), "a device")] {
+            let file = FileOnDisk { path, reach: &reach };
+            for error in [file.contents().map(|_| ()).unwrap_err(), file.open().map(|_| ()).unwrap_err()] {
+                assert!(error.to_string().contains(kind), "{error}");
+            }
+        }
+    }
 
     #[test]
     fn a_file_that_is_read_by_parts_gives_its_bytes_and_an_error_beyond_its_end() {
