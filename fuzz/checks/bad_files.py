@@ -38,7 +38,9 @@ def judge(status, errors, output, name, nonsense):
         return "clear" if told else "accepted" if nonsense else "fine"
     line = next((line for line in errors.splitlines() if line.startswith("error")), "")
     message = line.split(name, 1)[-1]
-    is_clear = name in errors and PLACE.search(message) and "hint" in errors and len(line) < 600
+    # What is missing or a folder needs no hint.
+    is_plain = "no such file" in message or "is a folder" in message
+    is_clear = name in errors and PLACE.search(message) and ("hint" in errors or is_plain) and len(line) < 600
     return "clear" if is_clear else "vague"
 
 

@@ -18,7 +18,7 @@ pub struct Topology {
 }
 
 /// At an edge, a triangle is paired with so many that come after it. Meshes that were modelled have fewer triangles at an edge.
-const MAX_PARTNERS: usize = 8;
+const MAX_PARTNERS: usize = 4;
 
 impl Topology {
     /// The topology of `triangles`; those with a repeated corner have no edges.

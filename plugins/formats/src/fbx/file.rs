@@ -33,7 +33,19 @@ pub fn read(input: &dyn FileInput, images: bool) -> Result<SceneRoot> {
     ufbx::load_memory(&bytes, options).map_err(|error| {
         let details = error.info();
         let details = if details.is_empty() { String::new() } else { format!(": {details}") };
-        let message = format!("not an FBX that can be read: {}{details}", error.description);
+        let found = match &bytes[..] {
+            [] => "the file is empty".to_owned(),
+            start => {
+                let start = &start[..start.len().min(16)];
+                format!("{} bytes that begin with `{}`", bytes.len(), start.escape_ascii())
+            }
+        };
+        let message = match error.type_ {
+            ErrorType::EmptyFile | ErrorType::UnrecognizedFileFormat => {
+                format!("not an FBX: expected `Kaydara FBX Binary` or `; FBX` at its start, found {found}")
+            }
+            _ => format!("not an FBX that can be read: {}{details}, in {} bytes", error.description, bytes.len()),
+        };
         let hint = match error.type_ {
             ErrorType::UnsupportedVersion => "save it as FBX 2020 (7.7) or earlier, binary or ASCII",
             ErrorType::MemoryLimit => "its contents are far larger than the file: export it again, without compression",

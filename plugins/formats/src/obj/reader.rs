@@ -167,7 +167,7 @@ impl<'a> Reader<'a> {
             position[axis] = number(token).filter(|x| x.abs() < MAX_COORDINATE).ok_or_else(|| {
                 let (expected, hint) = match number(token) {
                     Some(_) => {
-                        ("a number below 1e38", "scale the mesh down: its squares are beyond what can be computed")
+                        ("a number below 1e50", "scale the mesh down: its squares are beyond what can be computed")
                     }
                     None => ("a finite number", "repair the file or export it again without NaN and infinity"),
                 };

@@ -171,11 +171,12 @@ impl<'a> Reader<'a> {
         }
         if reader.kind.other_dimension {
             let hint = "give a mesh in three dimensions";
-            return Err(Error::file(path, "an OFF whose vertices have other than three coordinates", hint));
+            let message = "the kinds `4OFF` and `nOFF` have vertices with other than three coordinates";
+            return Err(Error::line(path, reader.line, message, hint));
         }
         if reader.next_word()?.is_some_and(|word| word.eq_ignore_ascii_case("binary")) {
             let hint = "convert it to PLY or text, e.g. in MeshLab";
-            return Err(Error::file(path, "binary OFF is not read", hint));
+            return Err(Error::line(path, reader.line, "binary OFF is not read: expected text", hint));
         }
         let count = |reader: &mut Self| {
             let word = reader.word("header", 0)?;
@@ -221,10 +222,14 @@ impl<'a> Reader<'a> {
         let mut numbers = [0.0; N];
         for number in &mut numbers {
             let word = self.word("vertex", vertex)?;
-            let parsed = word.parse().ok().filter(|x: &f64| x.is_finite());
-            *number = parsed.ok_or_else(|| {
-                self.wrong(format!("`{}` of vertex {vertex} (from 0) is no finite number", shown(word)))
-            })?;
+            *number = match word.parse() {
+                Ok(x) if f64::is_finite(x) => x,
+                Ok(_) => return Err(self.wrong(format!("`{word}` of vertex {vertex} (from 0) is no finite number"))),
+                Err(_) => {
+                    let word = shown(word);
+                    return Err(self.wrong(format!("`{word}` of vertex {vertex} (from 0) is no number")));
+                }
+            };
         }
         Ok(numbers)
     }

@@ -108,7 +108,8 @@ fn read_text(path: &Path, bytes: &[u8]) -> Result<Mesh> {
         let mut words = content.split_ascii_whitespace().map(str::to_ascii_lowercase);
         while let Some(word) = words.next() {
             let number = joined.mesh.polygons.len();
-            let not_closed = || wrong(format!("facet {number} (from 0) is not closed by `endloop` and `endfacet`"));
+            let open = facet.unwrap_or(number);
+            let not_closed = || wrong(format!("facet {open} (from 0) is not closed by `endloop` and `endfacet`"));
             // `end solid` is written for `endsolid`, and so on.
             let word = if word == "end" { word + &words.next().unwrap_or_default() } else { word };
             match word.as_str() {
@@ -159,7 +160,7 @@ fn read_text(path: &Path, bytes: &[u8]) -> Result<Mesh> {
         }
     }
     if loop_of.is_some() || facet.is_some() {
-        let facet = joined.mesh.polygons.len();
+        let facet = facet.unwrap_or(joined.mesh.polygons.len());
         let message = format!("not an STL: the file ends in facet {facet} (from 0)");
         return Err(Error::line(path, line, message, DAMAGED));
     }

@@ -1,6 +1,6 @@
 //! Clips: the animations of a file, as changes of the nodes and of the weights of morph targets.
 
-use std::collections::HashSet;
+use std::{collections::HashSet, sync::Arc};
 
 use gltf::json::{
     self,
@@ -12,11 +12,13 @@ use mimesh_core::mesh::Animation;
 use super::{
     accessor::numbers,
     asset::{Asset, follow},
-    evaluator::Weights,
     nodes::Local,
     sampler::Sampler,
 };
 use crate::names::{all_distinct, shown};
+
+/// The weights of the morph targets of a node, which others may share.
+pub type Weights = Arc<[f64]>;
 
 /// An animation that can be looked at at any time.
 #[derive(Debug)]

@@ -10,7 +10,7 @@ use nalgebra::{Matrix3x4, Matrix4, Point3, Vector3};
 
 use super::{
     asset::Asset,
-    clips::Clip,
+    clips::{Clip, Weights},
     morphs::Moves,
     nodes::{Local, MAX_NUMBER, Nodes, name},
     skin::{Influences, Skin},
@@ -33,9 +33,6 @@ pub struct Run {
     /// The joints that move them in place of the node.
     pub skin: Option<(Arc<Skin>, Influences)>,
 }
-
-/// The weights of the morph targets of a node, which others may share.
-pub type Weights = Arc<[f64]>;
 
 /// A shape that the file can take.
 #[derive(Clone, Debug, Default, PartialEq)]

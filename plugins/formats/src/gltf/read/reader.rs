@@ -10,8 +10,8 @@ use serde_json::Value;
 use super::{
     asset::{Asset, DAMAGED},
     builder::{Builder, Piece, assemble},
-    clips,
-    evaluator::{Evaluator, Run, Weights},
+    clips::{self, Weights},
+    evaluator::{Evaluator, Run},
     extensions, morphs,
     nodes::Nodes,
     poses::{self, NamedShape},
