@@ -39,8 +39,9 @@ def judge(status, errors, output, name, nonsense):
     line = next((line for line in errors.splitlines() if line.startswith("error")), "")
     message = line.split(name, 1)[-1]
     # What is missing or a folder needs no hint.
-    is_plain = "no such file" in message or "is a folder" in message
-    is_clear = name in errors and PLACE.search(message) and ("hint" in errors or is_plain) and len(line) < 600
+    is_plain = "no such file" in line or "is a folder" in line
+    is_placed = is_plain or PLACE.search(message) and "hint" in errors
+    is_clear = name in errors and is_placed and len(line) < 600
     return "clear" if is_clear else "vague"
 
 

@@ -147,11 +147,12 @@ def gltfs():
             accessor(1, count=13), accessor(1, componentType=5126), accessor(bufferView=9),
             accessor(1, byteOffset=1 << 60), accessor(count=0), accessor(sparse={"count": 1 << 40, "indices": {}, "values": {}}))
     changed("node", tetrahedron, node(rotation=[0, 0, 0, 0]), node(rotation=[0, 0, 1]), node(scale=[1e300, 1, 1]), node(scale=[0, 0, 0]),
-            node(translation=[1e39, 0, 0]), node(matrix=[0] * 16), node(matrix=[1] * 15), node(skin=3), node(children=[0]),
+            node(translation=[1e59, 0, 0]), node(matrix=[0] * 16), node(matrix=[1] * 15), node(skin=3), node(children=[0]),
             node(children=[9]), node(scale="big"), node(weights=[1, 2, 3]))
     inf, nan = float("inf"), float("nan")
     for i, x in enumerate([inf, nan, 3.4e38]):
-        add(f"position-{i}.glb", tetrahedron([(x, 0, 0), *TETRAHEDRON[1:]]).glb())
+        # Far away, but no further than can be computed.
+        add(f"position-{i}.glb", tetrahedron([(x, 0, 0), *TETRAHEDRON[1:]]).glb(), nonsense=not 0 < x < inf)
     add("index.glb", tetrahedron(faces=[(0, 1, 9)]).glb())
     add("indices-as-floats.glb", floats_as_indices([0, 1, 2, 0, 2, 3]).glb())
     add("indices-between.glb", floats_as_indices([0, 1.5, 2, 0, 2, 3]).glb())
