@@ -73,8 +73,10 @@ pub fn pipeline(_: &str, bytes: &[u8]) -> Result<String, String> {
     let file = folder.path().join("fuzz.yaml");
     let written = fs::write(&file, text).and_then(|()| fs::write(folder.path().join("part.yaml"), part));
     written.map_err(|error| error.to_string())?;
+    // The folder has another name each time.
+    let tell = |error: String| told(&error.replace(&*folder.path().to_string_lossy(), ""));
     if let Err(error) = compose::compose(&file, &[]) {
-        return told(&error.to_string());
+        return tell(error.to_string());
     }
     // Meshes of any size may be generated, if the user asks for them.
     if text.contains("generator") || part.contains("generator") {
@@ -82,7 +84,7 @@ pub fn pipeline(_: &str, bytes: &[u8]) -> Result<String, String> {
     }
     match prepare_all(&file, &Options::default(), None) {
         Ok(_) => Ok("checked".into()),
-        Err(error) => told(&error.to_string()),
+        Err(error) => tell(error.to_string()),
     }
 }
 
