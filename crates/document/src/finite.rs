@@ -94,3 +94,8 @@ impl<'de> Visitor<'de> for AnyValue {
 
 /// How the message of a number begins that is infinite or none.
 pub const NOT_FINITE: &str = "expected a finite number";
+
+/// Whether the error `problem` of a parser is about a number that is not finite. The parser has words of its own for most of them.
+pub fn is_about_finiteness(problem: &str) -> bool {
+    problem.contains(NOT_FINITE) || problem.contains("non-finite float")
+}

@@ -5,7 +5,7 @@ use serde_json::{Map, Value, json};
 use crate::{
     diagnostic::{Diagnostic, Diagnostics, Kind, Location, SET_VALUE},
     document::Document,
-    finite::NOT_FINITE,
+    finite::{NOT_FINITE, is_about_finiteness},
     limits::MAX_PATH_STEPS,
     shapes::Shapes,
     source_tree::{SourceSpan, SpanEntry, SpanTree},
@@ -72,9 +72,9 @@ pub fn read(setting: &str) -> Result<(Vec<Step>, Value), Unreadable> {
     let hint = "keys are joined by single dots, e.g. `source.rest`";
     let path = split(keys).ok_or(Unreadable { message: "empty key", example: None, hint })?;
     let value = yaml_value(text).map_err(|error| match error.to_string() {
-        problem if problem.contains(NOT_FINITE) => {
+        problem if is_about_finiteness(&problem) => {
             let hint = "write a number below 1e308, or `~` for none";
-            Unreadable { message: "expected a finite number", example: None, hint }
+            Unreadable { message: NOT_FINITE, example: None, hint }
         }
         _ => {
             let hint = "put strings with `:` or `#` in quotes";

@@ -7,7 +7,7 @@ use serde_json::{Map, Value};
 use crate::{
     braces::{guarded, unguarded},
     diagnostic::{Diagnostic, Kind, Location},
-    finite::{Finite, NOT_FINITE},
+    finite::{Finite, NOT_FINITE, is_about_finiteness},
     limits::{MAX_YAML_BYTES, MAX_YAML_DEPTH, MAX_YAML_VALUES, thousands},
     source_tree::{SourceSpan, SourceText, Span},
 };
@@ -52,8 +52,8 @@ pub fn not_yaml(text: &Arc<SourceText>, error: serde_saphyr::Error) -> Diagnosti
         (format!("the key `{key}` stands here a second time"), "remove one of the two")
     } else if problem.starts_with("multiple YAML documents") {
         ("a second document begins here".into(), "remove the line `---` and what follows it; a file holds one document")
-    } else if problem.contains(NOT_FINITE) {
-        (problem, "write a number below 1e308, or leave the key out")
+    } else if is_about_finiteness(&problem) {
+        (NOT_FINITE.into(), "write a number below 1e308, or leave the key out")
     } else if problem.contains("cannot deserialize null into string") {
         ("a key is empty".into(), "write the name of the key before the `:`")
     } else if problem.contains("simple key expected") {

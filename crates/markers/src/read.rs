@@ -69,7 +69,7 @@ pub fn parse_points(file: &Path, text: &str) -> Result<PointFile> {
         (Some(Notation::Json), _) | (_, Some('[' | '{')) => json::parse(file, text)?,
         _ => table::parse(file, text)?,
     };
-    check_not_empty(&points)?;
+    check_not_empty(&points, text.len())?;
     Ok(points)
 }
 
@@ -91,20 +91,22 @@ fn one_set(file: &Path, text: &str) -> Result<PointFile> {
 ///
 /// All that is wrong with the file, and if it holds the points of one mesh.
 pub fn read_two_sets(file: &Path) -> Result<[PointFile; 2]> {
-    let sets: [PointFile; 2] = amira::parse(file, &text::read(file)?)?.try_into().map_err(|_| {
+    let text = text::read(file)?;
+    let sets: [PointFile; 2] = amira::parse(file, &text)?.try_into().map_err(|_| {
         let hint = "give a file of points for each mesh, or save a landmark set with two sets";
         unusable(file, "this file has one set of landmarks: it holds the points of one mesh only", hint)
     })?;
-    sets.iter().try_for_each(check_not_empty)?;
+    sets.iter().try_for_each(|set| check_not_empty(set, text.len()))?;
     Ok(sets)
 }
 
-/// Checks that a file has points.
-fn check_not_empty(points: &PointFile) -> Result<()> {
+/// Checks that a file of `bytes` bytes has points.
+fn check_not_empty(points: &PointFile, bytes: usize) -> Result<()> {
     if points.points.is_empty() {
         let more = points.warnings.first().map_or(String::new(), |warning| format!(" ({warning})"));
-        let diagnostic =
-            Diagnostic::new(Kind::BadData, format!("no points{more}")).at(Location::File(points.file.clone()));
+        let found = if bytes == 0 { "an empty file".into() } else { format!("none in {bytes} bytes") };
+        let message = format!("no points: expected at least one, found {found}{more}");
+        let diagnostic = Diagnostic::new(Kind::BadData, message).at(Location::File(points.file.clone()));
         return Err(diagnostic.hint("pick some, and save the file again").into());
     }
     Ok(())

@@ -162,6 +162,21 @@ mod tests {
 
     use super::*;
 
+    #[cfg(unix)]
+    #[test]
+    fn pipes_and_devices_are_refused_before_they_are_opened() {
+        let folder = tempfile::tempdir().unwrap();
+        let pipe = folder.path().join("pipe.obj");
+        assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+        let reach = Reach::default();
+        for (path, kind) in [(pipe, "a named pipe"), ("/dev/zero".into(), "a device")] {
+            let file = FileOnDisk { path, reach: &reach };
+            for error in [file.contents().map(|_| ()).unwrap_err(), file.open().map(|_| ()).unwrap_err()] {
+                assert!(error.to_string().contains(kind), "{error}");
+            }
+        }
+    }
+
     #[test]
     fn a_file_that_is_read_by_parts_gives_its_bytes_and_an_error_beyond_its_end() {
         let folder = tempfile::tempdir().unwrap();

@@ -1,9 +1,20 @@
 //! Names: in messages, and told apart.
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
 /// No message has more names than this.
 const MAX_QUOTED: usize = 40;
+
+/// Messages quote so many characters of a file at most.
+const MAX_SHOWN: usize = 60;
+
+/// The beginning of a text of a file, as messages quote it.
+pub fn shown(text: &str) -> String {
+    match text.char_indices().nth(MAX_SHOWN) {
+        Some((end, _)) => format!("{}…", &text[..end]),
+        None => text.into(),
+    }
+}
 
 /// Names as they are; one that an earlier entry has gets the first number from its own on that makes it new.
 pub fn all_distinct(names: impl IntoIterator<Item = String>) -> Vec<String> {
@@ -13,15 +24,23 @@ pub fn all_distinct(names: impl IntoIterator<Item = String>) -> Vec<String> {
 /// The names that there are as [`all_distinct`] has them.
 pub fn distinct(mut names: Vec<Option<String>>) -> Vec<Option<String>> {
     let mut taken: HashSet<String> = names.iter().flatten().cloned().collect();
-    let mut seen = HashSet::new();
+    // For each name seen the number after the last that was tried, below which none is free.
+    let mut tried: HashMap<String, usize> = HashMap::new();
     for (index, entry) in names.iter_mut().enumerate() {
         let Some(name) = entry else { continue };
-        if seen.insert(name.clone()) {
+        let Some(next) = tried.get_mut(name) else {
+            tried.insert(name.clone(), 0);
             continue;
-        }
-        let mut numbered = (index..).map(|number| format!("{name}-{number}"));
-        let free = numbered.find(|name| !taken.contains(name)).expect("there are infinitely many");
-        taken.insert(free.clone());
+        };
+        let mut number = index.max(*next);
+        let free = loop {
+            let numbered = format!("{name}-{number}");
+            number += 1;
+            if taken.insert(numbered.clone()) {
+                break numbered;
+            }
+        };
+        *next = number;
         *name = free;
     }
     names
@@ -31,7 +50,7 @@ pub fn distinct(mut names: Vec<Option<String>>) -> Vec<Option<String>> {
 pub fn quoted<S: AsRef<str>>(names: &[S]) -> String {
     let mut seen = HashSet::new();
     let once: Vec<&str> = names.iter().map(AsRef::as_ref).filter(|name| seen.insert(*name)).collect();
-    let shown: Vec<String> = once.iter().take(MAX_QUOTED).map(|name| format!("`{name}`")).collect();
+    let shown: Vec<String> = once.iter().take(MAX_QUOTED).map(|name| format!("`{}`", shown(name))).collect();
     let more = once.len() - shown.len();
     if more > 0 { format!("{} and {more} more", shown.join(", ")) } else { shown.join(", ") }
 }
@@ -67,5 +86,8 @@ mod tests {
         assert_eq!(distinct(&["a", "b", "a", "a-2", "a"]), ["a", "b", "a-3", "a-2", "a-4"]);
         assert_eq!(distinct(&["a-2", "a", "a"]), ["a-2", "a", "a-3"]);
         assert_eq!(distinct(&["M", "M", "M-1"]), ["M", "M-2", "M-1"]);
+        let many: Vec<String> = (0..20_000).map(|_| "a".into()).chain((0..20_000).map(|i| format!("a-{i}"))).collect();
+        let names = all_distinct(many);
+        assert_eq!((&*names[1], &*names[19_999], &*names[20_000]), ("a-20000", "a-39998", "a-0"));
     }
 }

@@ -33,9 +33,10 @@ impl PosedNormals {
         let normals = mesh.normals.as_ref().unwrap_or(&none);
         let distinct = distinct(&normals.values);
 
-        // The groups at a place are few: a list of them, the last one first.
+        // The groups at a place are few: a list of them, the last one first. Where they are many, the others are in a table.
         let mut last = vec![NONE; mesh.positions.len()];
         let mut listed: Vec<Listed> = Vec::new();
+        let mut crowded = HashMap::new();
         let mut group_of = Vec::with_capacity(mesh.polygons.corner_count());
         let mut groups = Turned::default();
         let mut uses = Vec::new();
@@ -48,14 +49,23 @@ impl PosedNormals {
                 let given = value.filter(|&v| Vector3::from(normals.values[v as usize]).norm_squared() > 0.0);
                 let normal = given.map(|v| distinct[v as usize]);
                 let last = &mut last[place(corners[at]) as usize];
-                let mut group = *last;
+                let (mut group, mut steps) = (*last, 0);
                 while group != NONE && listed[group as usize].normal != normal {
                     group = listed[group as usize].before;
+                    steps += 1;
+                }
+                let key = (place(corners[at]), normal);
+                if group == NONE && steps == MAX_LISTED {
+                    group = crowded.get(&key).copied().unwrap_or(NONE);
                 }
                 if group == NONE {
                     group = listed.len() as u32;
                     listed.push(Listed { normal, before: *last });
-                    *last = group;
+                    if steps == MAX_LISTED {
+                        crowded.insert(key, group);
+                    } else {
+                        *last = group;
+                    }
                     groups.rest.push(given.map_or([0.0; 3], |v| normals.values[v as usize]));
                     groups.edges.push([corners[at], corners[(at + 1) % corners.len()]]);
                 }
@@ -114,6 +124,9 @@ impl PosedNormals {
         (0..self.starts.len() - 1).map(|v| self.members_of(v).iter().map(|&g| areas[g as usize]).sum()).collect()
     }
 }
+
+/// So many groups at a place are in a list, which is looked through one by one.
+const MAX_LISTED: usize = 16;
 
 /// No group.
 const NONE: u32 = u32::MAX;
@@ -275,6 +288,27 @@ mod tests {
         for corner in 2..6 {
             assert_eq!(normals.rest()[normals.group_of[corner] as usize], [0.0, 1.0, 0.0]);
         }
+    }
+
+    #[test]
+    fn a_vertex_may_have_very_many_normals() {
+        let n = 3000;
+        let rim = |k: u32| f64::from(k) * std::f64::consts::TAU / f64::from(n);
+        let mut mesh = Mesh { positions: vec![Point3::new(0.0, 0.0, 1.0)], ..Mesh::default() };
+        mesh.positions.extend((0..n).map(|k| Point3::new(rim(k).cos(), rim(k).sin(), 0.0)));
+        let values = (0..n).map(|k| [rim(k).cos(), rim(k).sin(), 1.0]).collect();
+        // Twice around, so that each normal is met again.
+        let mut indices = Vec::new();
+        for k in (0..n).chain(0..n) {
+            mesh.polygons.push(&[0, 1 + k, 1 + (k + 1) % n]);
+            indices.extend([Some(k); 3]);
+        }
+        mesh.normals = Some(CornerAttribute { values, indices });
+        let normals = PosedNormals::new(&mesh, &mesh.positions);
+        // Each triangle's normal at the hub and at both ends of its rim, whichever of the two faces it is.
+        assert_eq!(normals.rest().len(), 3 * n as usize);
+        let (first, second) = normals.group_of.split_at(3 * n as usize);
+        assert_eq!(first, second);
     }
 
     #[test]

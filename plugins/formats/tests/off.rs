@@ -76,10 +76,13 @@ fn damaged_and_other_offs_say_what_is_wrong() {
         (PLAIN.replace("3 0 2 3\n", ""), "a.off:7: not an OFF: the file ends in face 1 (from 0)"),
         (PLAIN.replace("1 1 0", "1 x 0"), "a.off:5: not an OFF: `x` of vertex 2 (from 0) is no number"),
         (PLAIN.replace("1 1 0", "1 1 0 7"), "a.off:5: not an OFF: vertex 2 (from 0) has 1 numbers too many"),
-        (PLAIN.replace("1 1 0", "1 nan 0"), "a.off: vertex 2 (from 0) has coordinates 1 NaN 0"),
+        (PLAIN.replace("1 1 0", "1 nan 0"), "a.off:5: not an OFF: `nan` of vertex 2 (from 0) is no finite number"),
         ("OFF\n2 0 0\n0 0 0\n1 1 1\n".into(), "a.off: empty mesh: 2 vertices, 0 faces"),
-        ("4OFF\n1 0 0\n0 0 0 0\n".into(), "a.off: an OFF whose vertices have other than three coordinates"),
-        ("OFF BINARY\n\0\0".into(), "a.off: binary OFF is not read"),
+        (
+            "4OFF\n1 0 0\n0 0 0 0\n".into(),
+            "a.off:1: the kinds `4OFF` and `nOFF` have vertices with other than three coordinates",
+        ),
+        ("OFF BINARY\n\0\0".into(), "a.off:1: binary OFF is not read"),
         (String::new(), "a.off:1: not an OFF: the file ends in header 0"),
     ];
     for (text, expected) in cases {

@@ -111,7 +111,10 @@ fn numbers_and_lines_of_a_text_may_be_written_in_any_way() {
     let error = message(&read(&Ply::default(), "a.ply", with_body(body.replace('\n', " 7\n")).as_bytes()).unwrap_err());
     assert!(error.starts_with("a.ply:"), "{error}");
     let trailing = read(&Ply::default(), "a.ply", format!("{plain}written by hand\n").as_bytes()).unwrap();
-    assert_eq!(trailing.warnings, ["16 bytes after the last entry are not read"]);
+    assert_eq!(
+        trailing.warnings,
+        ["16 bytes after the last entry are not read: if the header's counts are too low, entries are missing"]
+    );
 }
 
 #[test]
@@ -232,7 +235,10 @@ fn damaged_plys_say_what_is_wrong() {
         ),
         (head.replace("element", "elements"), "a.ply:3: not a PLY: `elements vertex 3` has no place in a header\n"),
         (head.replace("face 1", "face 0"), "a.ply: empty mesh: 3 vertices, 0 faces\n"),
-        (head.replace("vertex 3", "vertex 99999999999"), "a.ply: 99999999999 vertex entries in a file of "),
+        (
+            head.replace("vertex 3", "vertex 99999999999"),
+            "a.ply:10: not a PLY: the header counts 99999999999 vertex entries of at least 6 bytes each, the file has ",
+        ),
         ("ply".to_owned(), "a.ply:"),
         (String::new(), "a.ply:"),
     ];
@@ -334,13 +340,13 @@ fn stl_triangles_are_joined_at_equal_corners() {
 fn damaged_stls_say_what_is_wrong() {
     let error = |bytes: &[u8]| message(&read(&Stl::default(), "a.stl", bytes).unwrap_err());
     assert!(error(b"").starts_with("a.stl: not an STL: "));
-    assert!(error(&TRIANGLES.as_bytes()[..90]).starts_with("a.stl:8: not an STL: the file ends without `endsolid`"));
+    assert!(error(&TRIANGLES.as_bytes()[..90]).starts_with("a.stl:8: not an STL: the file ends in facet 0 (from 0)"));
     assert!(error(&TRIANGLES.as_bytes()[..60]).starts_with("a.stl:5: not an STL: `` is no coordinate of a vertex"));
     let two = TRIANGLES.replacen("vertex 0 0 0\n", "", 1);
     assert!(error(two.as_bytes()).starts_with("a.stl:6: not an STL: a triangle has 2 corners, expected 3"));
     assert!(error(b"solid\nendsolid\n").starts_with("a.stl: empty mesh: 0 vertices, 0 polygons"));
     let nan = binary_stl(&[b' '; 80], &[[[0., 0., f32::NAN], [1., 0., 0.], [0., 1., 0.]]]);
-    assert!(error(&nan).starts_with("a.stl: vertex 0 (from 0) has coordinates 0 0 NaN"));
+    assert!(error(&nan).starts_with("a.stl: facet 0 (from 0) has the coordinate NaN: expected finite numbers"));
     assert!(error(&nan[..100]).starts_with("a.stl: not an STL: "));
 }
 

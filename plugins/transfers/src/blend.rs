@@ -202,7 +202,7 @@ fn triangles(which: &ComponentRef, target: &Surface, within: impl Fn(usize) -> b
             called.extend((0..target.triangle_count()).filter(|&t| target.part_of[t] as usize == part));
         }
         let others = target.other_names.iter().filter(|(other, _)| other == name);
-        called.extend(others.flat_map(|(_, triangles)| triangles).map(|&t| t as usize));
+        called.extend(others.flat_map(|(_, runs)| runs).flat_map(|run| run.clone().map(|t| t as usize)));
     }
     if called.is_empty() { (0..target.triangle_count()).filter(|&t| within(t)).collect() } else { called }
 }

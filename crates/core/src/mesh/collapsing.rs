@@ -24,6 +24,9 @@ const AFTER_ROUNDS: f64 = 1.5;
 /// The part of the edges that a round looks at, those that cost least.
 const ROUND: f64 = 0.5;
 
+/// Edges with more triangles at their ends stay: each collapse looks at all of them, and each of them has such an edge.
+const MAX_AROUND: usize = 2000;
+
 /// Triangles do not become flatter than this relative height.
 const MIN_RELATIVE_HEIGHT: f64 = 0.05;
 
@@ -305,6 +308,9 @@ impl Collapsing {
     /// Whether the collapse keeps topology and triangles sound.
     fn allows(&self, candidate: &Candidate) -> bool {
         let [a, b] = candidate.edge;
+        if self.around[a as usize].len() + self.around[b as usize].len() > MAX_AROUND {
+            return false;
+        }
         let at = |v: u32| self.around[v as usize].iter().filter_map(|&t| self.triangles[t as usize]);
         let shared = at(a).filter(|t| t.contains(&b)).count();
         let expected = if self.is_boundary[a as usize] && self.is_boundary[b as usize] { 1 } else { 2 };

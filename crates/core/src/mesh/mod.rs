@@ -25,7 +25,7 @@ mod topology;
 mod weld;
 
 pub use attributes::{CornerAttribute, Image, Material, Part};
-pub use bounds::{bounding_box, check_finite, diagonal};
+pub use bounds::{MAX_COORDINATE, bounding_box, check_finite, diagonal};
 pub use coarse::{Coarse, coarsen};
 pub use frames::{PosesAre, poses_are_frames};
 pub use mesh_point::MeshPoint;

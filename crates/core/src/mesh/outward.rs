@@ -14,6 +14,11 @@ const MIN_OPEN_VOLUME: f64 = 0.05;
 /// Components whose holes have no more of their area enclose a volume as closed ones do, however thin their limbs are.
 const MAX_HOLES: f64 = 0.1;
 
+/// So many triangles and boxes are looked at, for whether components lie within others; about a second.
+///
+/// Beyond, on surfaces of very many components, one goes with most of the others.
+const MAX_LOOKS: usize = 1 << 28;
+
 /// The components of `surface` whose triangles point inwards, ascending.
 ///
 /// A closed component points inwards if the volume that it encloses is negative. Within another one it may be the wall of a cavity,
@@ -24,10 +29,11 @@ pub fn inward_components(surface: &Surface) -> Vec<u32> {
     let all = enclosed(surface, &components);
     let outwards: f64 = all.iter().filter(|one| one.volume != 0.0).map(|one| one.area * one.volume.signum()).sum();
     let most = outwards < 0.0;
+    let mut within = Within::new(surface, &components, &all);
     let points_inwards = |c: &usize| {
         let own = all[*c].volume < 0.0;
         let decides = all[*c].closed && all[*c].volume != 0.0;
-        let differs = decides && own != most && !is_within_another(surface, &components, &all, *c);
+        let differs = decides && own != most && !within.another(*c);
         if differs { own } else { most }
     };
     (0..all.len()).filter(points_inwards).map(|c| c as u32).collect()
@@ -106,27 +112,56 @@ fn apexes(surface: &Surface, boundary: &[[u32; 2]]) -> Vec<Point3<f64>> {
     boundary.iter().map(apex).collect()
 }
 
-/// Whether a vertex of component `c` lies inside another closed component.
-fn is_within_another(surface: &Surface, components: &Components, all: &[Enclosed], c: usize) -> bool {
-    let point = all[c].first;
-    (0..all.len()).any(|other| {
-        let Enclosed { bounds: [low, high], closed, volume, .. } = all[other];
-        let may_enclose =
-            other != c && closed && volume != 0.0 && (0..3).all(|k| (low[k]..=high[k]).contains(&point[k]));
-        let of_other = |t: &[u32; 3]| components.of_vertex[t[0] as usize] == Some(other as u32);
-        may_enclose && winding_number(surface, &point, of_other).abs() > 0.5
-    })
+/// Whether components lie within others.
+struct Within<'a> {
+    surface: &'a Surface,
+    all: &'a [Enclosed],
+    /// The triangles of each component.
+    triangles: Vec<Vec<u32>>,
+    looks: usize,
 }
 
-/// How often the triangles for which `counts` wind around `point` (Van Oosterom and Strackee 1983).
-fn winding_number(surface: &Surface, point: &Point3<f64>, counts: impl Fn(&[u32; 3]) -> bool) -> f64 {
-    let solid_angle = |triangle: &[u32; 3]| {
-        let [a, b, c] = triangle.map(|v| surface.positions[v as usize] - point);
+impl<'a> Within<'a> {
+    fn new(surface: &'a Surface, components: &Components, all: &'a [Enclosed]) -> Self {
+        let mut triangles = vec![Vec::new(); all.len()];
+        for (t, corners) in (0..).zip(&surface.triangles) {
+            triangles[components.of_vertex[corners[0] as usize].unwrap_or_default() as usize].push(t);
+        }
+        Self { surface, all, triangles, looks: 0 }
+    }
+
+    /// Whether a vertex of component `c` lies inside another closed component, or there are too many to look.
+    fn another(&mut self, c: usize) -> bool {
+        let point = self.all[c].first;
+        for other in 0..self.all.len() {
+            self.looks += 1;
+            let Enclosed { bounds: [low, high], closed, volume, .. } = self.all[other];
+            let may_enclose =
+                other != c && closed && volume != 0.0 && (0..3).all(|k| (low[k]..=high[k]).contains(&point[k]));
+            if may_enclose {
+                // An angle takes ten times as long as a box.
+                self.looks += 10 * self.triangles[other].len();
+                if winding_number(self.surface, &point, &self.triangles[other]).abs() > 0.5 {
+                    return true;
+                }
+            }
+            if self.looks > MAX_LOOKS {
+                return true;
+            }
+        }
+        false
+    }
+}
+
+/// How often `triangles` wind around `point` (Van Oosterom and Strackee 1983).
+fn winding_number(surface: &Surface, point: &Point3<f64>, triangles: &[u32]) -> f64 {
+    let solid_angle = |&triangle: &u32| {
+        let [a, b, c] = surface.triangles[triangle as usize].map(|v| surface.positions[v as usize] - point);
         let (x, y, z) = (a.norm(), b.norm(), c.norm());
         let below = x * y * z + a.dot(&b) * z + b.dot(&c) * x + c.dot(&a) * y;
         2.0 * a.cross(&b).dot(&c).atan2(below)
     };
-    let sum: f64 = surface.triangles.iter().filter(|t| counts(t)).map(solid_angle).sum();
+    let sum: f64 = triangles.iter().map(solid_angle).sum();
     sum / (4.0 * std::f64::consts::PI)
 }
 

@@ -1,3 +1,5 @@
+use std::{collections::HashMap, ops::Range};
+
 use nalgebra::{Point3, Vector3};
 
 use super::{
@@ -31,8 +33,8 @@ pub struct Surface {
     pub part_names: Vec<String>,
     /// For each triangle its entry in `part_names`, #F; empty if no part has a name.
     pub part_of: Vec<u32>,
-    /// Other names of parts, as groups and materials of what has an object's name, with their triangles.
-    pub other_names: Vec<(String, Vec<u32>)>,
+    /// Other names of parts, as groups and materials of what has an object's name, with their runs of triangles.
+    pub other_names: Vec<(String, Vec<Range<u32>>)>,
 }
 
 impl Surface {
@@ -292,16 +294,22 @@ fn names_of(part: &Part) -> impl Iterator<Item = &String> {
     part.object.iter().chain(&part.groups).chain(&part.material)
 }
 
-/// The distinct names that parts have besides those they are called by, with their triangles.
-fn other_names(mesh: &Mesh, polygon_of: &[u32]) -> Vec<(String, Vec<u32>)> {
-    let mut others: Vec<(String, Vec<u32>)> = Vec::new();
+/// The distinct names that parts have besides those they are called by, with their runs of triangles.
+fn other_names(mesh: &Mesh, polygon_of: &[u32]) -> Vec<(String, Vec<Range<u32>>)> {
+    let mut others: Vec<(String, Vec<Range<u32>>)> = Vec::new();
+    let mut numbers: HashMap<&str, usize> = HashMap::new();
     for part in &mesh.parts {
         let first = polygon_of.partition_point(|&p| (p as usize) < part.polygons.start) as u32;
         let end = polygon_of.partition_point(|&p| (p as usize) < part.polygons.end) as u32;
         for name in names_of(part).skip(1) {
-            match others.iter_mut().find(|(other, _)| other == name) {
-                Some((_, triangles)) => triangles.extend(first..end),
-                None => others.push((name.clone(), (first..end).collect())),
+            let number = *numbers.entry(name).or_insert(others.len());
+            if number == others.len() {
+                others.push((name.clone(), Vec::new()));
+            }
+            let runs = &mut others[number].1;
+            match runs.last_mut() {
+                Some(last) if last.end == first => last.end = end,
+                _ => runs.push(first..end),
             }
         }
     }
@@ -311,13 +319,14 @@ fn other_names(mesh: &Mesh, polygon_of: &[u32]) -> Vec<(String, Vec<u32>)> {
 /// The distinct names of parts, and the one of each triangle.
 fn parts(mesh: &Mesh, polygon_of: &[u32]) -> (Vec<String>, Vec<u32>) {
     let mut names: Vec<String> = Vec::new();
+    let mut numbers: HashMap<&str, usize> = HashMap::new();
     let mut of_polygon = vec![0; mesh.polygons.len()];
     for part in &mesh.parts {
-        let name = names_of(part).next().cloned().unwrap_or_default();
-        let number = names.iter().position(|n| *n == name).unwrap_or_else(|| {
-            names.push(name);
-            names.len() - 1
-        });
+        let name = names_of(part).next().map_or("", String::as_str);
+        let number = *numbers.entry(name).or_insert(names.len());
+        if number == names.len() {
+            names.push(name.into());
+        }
         of_polygon[part.polygons.clone()].fill(number as u32);
     }
     if names.iter().all(String::is_empty) {

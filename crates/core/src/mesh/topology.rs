@@ -6,7 +6,8 @@ use serde::{Deserialize, Serialize};
 pub struct Topology {
     /// Pairs of triangles that share an edge, each pair once, smaller triangle first, sorted.
     ///
-    /// At an edge of more than two triangles (non-manifold) every pair is listed.
+    /// At an edge of more than two triangles (non-manifold) every pair is listed. At one of very many each is paired with the next few,
+    /// so that there are not many more pairs than triangles.
     pub adjacent: Vec<[u32; 2]>,
     /// Edges of one triangle, as the triangle runs through them.
     pub boundary: Vec<[u32; 2]>,
@@ -15,6 +16,9 @@ pub struct Topology {
     /// Number of edges.
     pub edge_count: usize,
 }
+
+/// At an edge, a triangle is paired with so many that come after it. Meshes that were modelled have fewer triangles at an edge.
+const MAX_PARTNERS: usize = 4;
 
 impl Topology {
     /// The topology of `triangles`; those with a repeated corner have no edges.
@@ -35,7 +39,7 @@ impl Topology {
                 _ => result.non_manifold.push(edge[0].0),
             }
             for (i, a) in edge.iter().enumerate() {
-                result.adjacent.extend(edge[i + 1..].iter().map(|b| [a.1, b.1]));
+                result.adjacent.extend(edge[i + 1..].iter().take(MAX_PARTNERS).map(|b| [a.1, b.1]));
             }
         }
         result.adjacent = sorted_by_place(&result.adjacent, |pair| pair[0]);
@@ -161,6 +165,14 @@ mod tests {
         let topology = Topology::new(&[[0, 1, 2], [1, 0, 3], [0, 1, 4]]);
         assert_eq!(topology.adjacent, [[0, 1], [0, 2], [1, 2]]);
         assert_eq!(topology.non_manifold, [[0, 1]]);
+    }
+
+    #[test]
+    fn many_triangles_at_an_edge_have_few_pairs_each_and_stay_together() {
+        let triangles: Vec<[u32; 3]> = (2..20_002).map(|v| [0, 1, v]).collect();
+        let topology = Topology::new(&triangles);
+        assert!(topology.adjacent.len() <= MAX_PARTNERS * triangles.len());
+        assert!((0..19_999).all(|t| topology.adjacent.binary_search(&[t, t + 1]).is_ok()));
     }
 
     #[test]

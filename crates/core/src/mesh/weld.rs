@@ -45,6 +45,8 @@ fn firsts(mut sets: UnionFind<u32>, count: usize) -> Vec<u32> {
 
 /// The pairs of boundary edges that lie at one place and run in opposite directions, as the two pairs of vertices that meet there,
 /// the smaller vertex first; in no order.
+///
+/// Where very many boundaries lie at one place, there are no more pairs than join them all.
 pub fn edges(positions: &[Point3<f64>], triangles: &[[u32; 3]], tolerance: f64) -> Vec<[[u32; 2]; 2]> {
     let boundary = Topology::new(triangles).boundary;
     let place =
@@ -60,12 +62,20 @@ pub fn edges(positions: &[Point3<f64>], triangles: &[[u32; 3]], tolerance: f64) 
     let mut found = Vec::new();
     for (&[from, to], along) in at.iter().filter(|([from, to], _)| from < to) {
         let Some(against) = at.get(&[to, from]) else { continue };
-        for &[a, b] in along {
-            found.extend(against.iter().map(|&[c, d]| [[a.min(d), a.max(d)], [b.min(c), b.max(c)]]));
+        let pair = |&[a, b]: &[u32; 2], &[c, d]: &[u32; 2]| [[a.min(d), a.max(d)], [b.min(c), b.max(c)]];
+        if along.len().min(against.len()) <= MAX_SHEETS {
+            found.extend(along.iter().flat_map(|edge| against.iter().map(move |other| pair(edge, other))));
+        } else {
+            // So many are one all the same, since the first edge of either side is joined with all of the other.
+            found.extend(against.iter().map(|other| pair(&along[0], other)));
+            found.extend(along[1..].iter().map(|edge| pair(edge, &against[0])));
         }
     }
     found
 }
+
+/// Boundaries of more sheets than this at one place are not paired each with each.
+const MAX_SHEETS: usize = 8;
 
 /// For each vertex of `boundary` the first of these at the same position; others are by themselves.
 fn places(positions: &[Point3<f64>], boundary: &[[u32; 2]]) -> Vec<u32> {
@@ -88,24 +98,37 @@ fn vertices_of(edges: &[[u32; 2]]) -> Vec<u32> {
 
 /// For each vertex of `boundary` the first that it is joined to by steps of at most `tolerance`; others are by themselves.
 fn near_places(positions: &[Point3<f64>], boundary: &[[u32; 2]], tolerance: f64) -> Vec<u32> {
-    let cell = |v: u32| positions[v as usize].coords.map(|x| (x / tolerance).floor() as i64);
-    let vertices = vertices_of(boundary);
-    let mut cells: HashMap<[i64; 3], Vec<u32>> = HashMap::new();
-    vertices.iter().for_each(|&v| cells.entry(cell(v).into()).or_default().push(v));
+    // Two points of such a cell are nearer to each other than the tolerance.
+    let side = tolerance / 3.0_f64.sqrt() * (1.0 - 1e-9);
+    let cell = |v: u32| -> [f64; 3] { positions[v as usize].coords.map(|x| (x / side).floor()).into() };
+    // As floats, cells so far away that integers do not count them stay apart.
+    let key = |cell: [f64; 3]| cell.map(|x| (x + 0.0).to_bits());
+    let mut cells: HashMap<[u64; 3], Vec<u32>> = HashMap::new();
+    vertices_of(boundary).iter().for_each(|&v| cells.entry(key(cell(v))).or_default().push(v));
     let mut joined = UnionFind::<u32>::new(positions.len());
-    for &v in &vertices {
-        let [x, y, z]: [i64; 3] = cell(v).into();
-        for step in 0..27 {
-            let around = [x + step % 3 - 1, y + step / 3 % 3 - 1, z + step / 9 - 1];
-            for &w in cells.get(&around).into_iter().flatten().filter(|w| **w < v) {
-                if (positions[v as usize] - positions[w as usize]).norm() <= tolerance {
-                    joined.union(v, w);
-                }
+    cells.values().for_each(|members| members.iter().for_each(|&v| _ = joined.union(members[0], v)));
+    let is_near = |v: u32, w: u32| (positions[v as usize] - positions[w as usize]).norm() <= tolerance;
+    for members in cells.values() {
+        let [x, y, z] = cell(members[0]);
+        // Half of the cells around: the others meet this one from there.
+        for step in 63..125 {
+            let along = |x: f64, step: u32| x + f64::from(step % 5) - 2.0;
+            let around = key([along(x, step), along(y, step / 5), along(z, step / 25)]);
+            let Some(others) = cells.get(&around).filter(|others| !joined.equiv(members[0], others[0])) else {
+                continue;
+            };
+            // Many points within one tolerance are a cloud, of which the first ones stand for all.
+            let pairs = members.iter().flat_map(|&v| others.iter().map(move |&w| (v, w))).take(MAX_TRIED);
+            if let Some((v, w)) = pairs.into_iter().find(|&(v, w)| is_near(v, w)) {
+                joined.union(v, w);
             }
         }
     }
     firsts(joined, positions.len())
 }
+
+/// No more pairs of points of two cells are measured.
+const MAX_TRIED: usize = 4096;
 
 #[cfg(test)]
 mod tests {
@@ -133,6 +156,19 @@ mod tests {
         let (positions, triangles) = split();
         let apart: Vec<u32> = (0..9).collect();
         assert_eq!(seams(&positions, &triangles, 0.0, &[[1, 4]]), apart);
+    }
+
+    #[test]
+    fn boundaries_of_many_sheets_at_one_place_are_one() {
+        let sheet = |k: u32| if k % 2 == 0 { [3 * k, 3 * k + 1, 3 * k + 2] } else { [3 * k + 1, 3 * k, 3 * k + 2] };
+        let triangles: Vec<[u32; 3]> = (0..5000).map(sheet).collect();
+        let positions: Vec<_> =
+            (0..5000).flat_map(|k| [p(0., 0.), p(1., 0.), Point3::new(0.0, 1.0, f64::from(k))]).collect();
+        assert!(edges(&positions, &triangles, 0.0).len() < 5000);
+        for tolerance in [0.0, 1e-3] {
+            let welded = seams(&positions, &triangles, tolerance, &[]);
+            assert!((0..5000).all(|k| welded[3 * k..3 * k + 3] == [0, 1, 3 * k as u32 + 2]), "{tolerance}");
+        }
     }
 
     #[test]

@@ -50,9 +50,10 @@ impl ComponentRef {
 fn named(name: &str, target: &Surface, components: &Components) -> Vec<u32> {
     let part = target.part_names.iter().position(|n| n == name);
     let called = target.part_of.iter().enumerate().filter(|(_, p)| Some(**p as usize) == part).map(|(t, _)| t);
-    let others = target.other_names.iter().filter(|(other, _)| other == name).flat_map(|(_, triangles)| triangles);
+    let others = target.other_names.iter().filter(|(other, _)| other == name).flat_map(|(_, runs)| runs);
+    let others = others.flat_map(|run| run.clone().map(|t| t as usize));
     let component = |t: usize| components.of_vertex[target.triangles[t][0] as usize];
-    let mut found: Vec<u32> = called.chain(others.map(|&t| t as usize)).filter_map(component).collect();
+    let mut found: Vec<u32> = called.chain(others).filter_map(component).collect();
     if found.is_empty() && name == "all" {
         return (0..components.count() as u32).collect();
     }

@@ -134,9 +134,11 @@ fn check_keys(document: &Document, diagnostics: &mut Diagnostics) {
     }
     match mapping.get("markers") {
         Some(Value::Array(_)) => {}
-        Some(_) => {
+        Some(other) => {
             let path = [Step::Key("markers".into())];
-            diagnostics.push(document.diagnostic(&path, At::Value, "`markers`: expected a sequence"));
+            let message = format!("`markers`: expected a sequence, found {}", describe(other));
+            let diagnostic = document.diagnostic(&path, At::Value, message);
+            diagnostics.push(diagnostic.hint("e.g. `markers: [{ source: 750, target: 3386 }]`"));
         }
         None => diagnostics.push(document.diagnostic(&[], At::Value, "missing key `markers`")),
     }

@@ -2,10 +2,16 @@
 
 use mimesh_core::{Error, Result, stage::FileInput};
 use nalgebra::{Matrix4, Vector3};
-use ufbx::{CoordinateAxes, CoordinateAxis, ErrorType, FileFormat, LoadOpts, SceneRoot, SceneSettings};
+use ufbx::{AllocatorOpts, CoordinateAxes, CoordinateAxis, ErrorType, FileFormat, LoadOpts, SceneRoot, SceneSettings};
 
 /// The way out of a file that cannot be read.
 pub const DAMAGED: &str = "the file is damaged or of a program that writes FBX in its own way: export it again";
+
+/// What a file becomes takes no more memory than so many times its bytes; compressed files grow by ten to fifty.
+const MAX_GROWTH: usize = 256;
+
+/// Whatever its bytes, a file may take so much memory.
+const MIN_MEMORY: usize = 1 << 27;
 
 /// Reads the scene of a file, with its images if `images`; nothing else is opened.
 ///
@@ -14,13 +20,35 @@ pub const DAMAGED: &str = "the file is damaged or of a program that writes FBX i
 /// [`Error::Io`] for a file that cannot be read, [`Error::File`] for one that is damaged or no FBX.
 pub fn read(input: &dyn FileInput, images: bool) -> Result<SceneRoot> {
     let bytes = input.contents()?;
-    let options = LoadOpts { ignore_embedded: !images, file_format: FileFormat::Fbx, ..LoadOpts::default() };
+    // Compressed arrays must not ask for all memory.
+    let memory_limit = bytes.len().saturating_mul(MAX_GROWTH).max(MIN_MEMORY);
+    let limited = || AllocatorOpts { memory_limit, ..AllocatorOpts::default() };
+    let options = LoadOpts {
+        ignore_embedded: !images,
+        file_format: FileFormat::Fbx,
+        temp_allocator: limited(),
+        result_allocator: limited(),
+        ..LoadOpts::default()
+    };
     ufbx::load_memory(&bytes, options).map_err(|error| {
         let details = error.info();
         let details = if details.is_empty() { String::new() } else { format!(": {details}") };
-        let message = format!("not an FBX that can be read: {}{details}", error.description);
+        let found = match &bytes[..] {
+            [] => "the file is empty".to_owned(),
+            start => {
+                let start = &start[..start.len().min(16)];
+                format!("{} bytes that begin with `{}`", bytes.len(), start.escape_ascii())
+            }
+        };
+        let message = match error.type_ {
+            ErrorType::EmptyFile | ErrorType::UnrecognizedFileFormat => {
+                format!("not an FBX: expected `Kaydara FBX Binary` or `; FBX` at its start, found {found}")
+            }
+            _ => format!("not an FBX that can be read: {}{details}, in {} bytes", error.description, bytes.len()),
+        };
         let hint = match error.type_ {
             ErrorType::UnsupportedVersion => "save it as FBX 2020 (7.7) or earlier, binary or ASCII",
+            ErrorType::MemoryLimit => "its contents are far larger than the file: export it again, without compression",
             _ => DAMAGED,
         };
         Error::file(input.path(), message, hint)

@@ -11,7 +11,7 @@ use mimesh_core::{
 };
 use ufbx::{Scene, Texture};
 
-use crate::images;
+use crate::images::Beside;
 
 /// The materials that are `used`; with their images if `with_images`. Maps of anything else are told in `left_out`.
 pub fn materials(
@@ -24,6 +24,7 @@ pub fn materials(
 ) -> Vec<Material> {
     let used = scene.materials.iter().filter(|material| used.contains(&material.element.element_id));
     let mut maps = false;
+    let mut beside = Beside::new(input);
     let mut read = |material: &ufbx::Material| {
         let (colour, factor, opacity) = (&material.pbr.base_color, &material.pbr.base_factor, &material.pbr.opacity);
         let factor = if factor.has_value { factor.value_vec4.x } else { 1.0 };
@@ -41,7 +42,7 @@ pub fn materials(
         Material {
             name: names[&material.element.element_id].clone(),
             base_color: [r, g, b, in_range(opacity)],
-            base_color_image: shown.filter(|_| with_images).map(|texture| Arc::new(image(input, texture))),
+            base_color_image: shown.filter(|_| with_images).map(|texture| image(&mut beside, texture)),
         }
     };
     let materials = used.map(|material| read(material)).collect();
@@ -57,13 +58,13 @@ fn file_texture(texture: &Texture) -> Option<&Texture> {
 }
 
 /// The image of a texture: that in the file, else that beside it.
-fn image(input: &dyn FileInput, texture: &Texture) -> Image {
+fn image(beside: &mut Beside<'_>, texture: &Texture) -> Arc<Image> {
     let names = [&*texture.relative_filename, &*texture.absolute_filename, &*texture.filename];
     let name = names.into_iter().find(|name| !name.is_empty()).unwrap_or("texture");
     let embedded = texture.video.as_deref().map_or(&texture.content, |video| &video.content);
     if embedded.is_empty() {
-        return images::beside(input, "", name);
+        return beside.get("", name);
     }
     let name = name.rsplit(['/', '\\']).next().unwrap_or(name);
-    Image { name: name.into(), contents: Ok(embedded.to_vec()) }
+    Arc::new(Image { name: name.into(), contents: Ok(embedded.to_vec()) })
 }

@@ -1,4 +1,4 @@
-use std::{collections::HashSet, sync::Arc};
+use std::collections::{HashMap, HashSet};
 
 use mimesh_core::{
     Error,
@@ -6,7 +6,7 @@ use mimesh_core::{
     stage::FileInput,
 };
 
-use crate::images;
+use crate::images::{self, Beside};
 
 /// The materials of a file, and the names of its libraries that exist.
 #[derive(Debug, Default)]
@@ -28,9 +28,18 @@ pub fn read(
 ) -> Libraries {
     let mut wanted: HashSet<&str> = parts.iter().filter_map(|part| part.material.as_deref()).collect();
     let mut result = Libraries::default();
+    let mut beside = Beside::new(input);
+    // The libraries of each line are opened once, however often it stands in the file.
+    let mut known: HashMap<&str, Vec<String>> = HashMap::new();
+    let mut opened = 0;
     for line in lines {
+        if let Some(names) = known.get(&**line) {
+            result.names.push(names.clone());
+            continue;
+        }
         let mut names = Vec::new();
-        for (library, bytes) in libraries(input, line) {
+        for (library, bytes) in libraries(input, line, MAX_LIBRARIES - opened) {
+            opened += 1;
             // A library out of reach is there all the same.
             if matches!(bytes, Ok(_) | Err(Error::OutOfReach { .. })) {
                 names.push(library.clone());
@@ -38,7 +47,7 @@ pub fn read(
             match bytes.map_err(|error| images::reason(&error)).and_then(|bytes| parse(&bytes)) {
                 Ok(loaded) => {
                     let loaded = loaded.into_iter().filter(|material| wanted.remove(material.name.as_str()));
-                    let with_image = |loaded| material(input, &library, loaded, images);
+                    let with_image = |loaded| material(&mut beside, &library, loaded, images);
                     result.materials.extend(loaded.map(with_image));
                 }
                 Err(problem) => warnings.push(format!(
@@ -47,16 +56,25 @@ pub fn read(
                 )),
             }
         }
+        known.insert(line, names.clone());
         result.names.push(names);
+        if opened == MAX_LIBRARIES {
+            warnings.push(format!("no more than {MAX_LIBRARIES} material libraries are read"));
+            result.names.resize(lines.len(), Vec::new());
+            break;
+        }
     }
     result
 }
 
+/// No more libraries are opened.
+const MAX_LIBRARIES: usize = 256;
+
 /// A library by its name, with its contents.
 type Library = (String, Result<Vec<u8>, Error>);
 
-/// The libraries that a line names: one whose name may hold spaces, or several.
-fn libraries(input: &dyn FileInput, line: &str) -> Vec<Library> {
+/// The libraries that a line names: one whose name may hold spaces, or several, of which the first `most`.
+fn libraries(input: &dyn FileInput, line: &str, most: usize) -> Vec<Library> {
     let open = |name: &str| -> Library {
         let slashes = name.replace('\\', "/");
         match input.referenced(name) {
@@ -72,7 +90,7 @@ fn libraries(input: &dyn FileInput, line: &str) -> Vec<Library> {
     if whole.1.is_ok() {
         return vec![whole];
     }
-    let several: Vec<_> = line.split_whitespace().map(open).collect();
+    let several: Vec<_> = line.split_whitespace().take(most).map(open).collect();
     if several.iter().any(|(_, contents)| contents.is_ok()) { several } else { vec![whole] }
 }
 
@@ -86,13 +104,13 @@ fn parse(bytes: &[u8]) -> Result<Vec<tobj::Material>, String> {
 }
 
 /// A material of `library`; its image stands in the place of its colour, as programs that write both leave that black or grey.
-fn material(input: &dyn FileInput, library: &str, material: tobj::Material, images: bool) -> Material {
+fn material(beside: &mut Beside<'_>, library: &str, material: tobj::Material, images: bool) -> Material {
     let [r, g, b] = material.diffuse.unwrap_or([1.0; 3]);
     let base_color = [r, g, b, material.dissolve.unwrap_or(1.0)];
     let bounded = |x: f64| if x.is_finite() { x.clamp(0.0, 1.0) } else { 1.0 };
     let map = material.diffuse_texture.as_deref().map(file_of).filter(|_| images);
     let folder = library.rfind('/').map_or("", |end| &library[..=end]);
-    let image = map.map(|map| Arc::new(images::beside(input, folder, map)));
+    let image = map.map(|map| beside.get(folder, map));
     Material { name: material.name, base_color: base_color.map(bounded), base_color_image: image }
 }
 

@@ -2,7 +2,7 @@ use std::{fmt::Display, ops::Range, path::Path};
 
 use mimesh_core::{
     Error, Result,
-    mesh::{CornerAttribute, Document, Mesh, MeshSequence, Part, Polygons},
+    mesh::{CornerAttribute, Document, MAX_COORDINATE, Mesh, MeshSequence, Part, Polygons},
     stage::{FileInput, check_pose, check_vertices},
 };
 use nalgebra::Point3;
@@ -15,6 +15,7 @@ use super::{
     libraries::LibraryLines,
     materials::{self, Libraries},
 };
+use crate::names::shown;
 
 /// Reads the mesh in `bytes`, the contents of `input`, which also gives material libraries; with images of materials if `images`.
 ///
@@ -43,7 +44,7 @@ pub fn read(input: &dyn FileInput, bytes: Vec<u8>, images: bool) -> Result<MeshS
                 attributes.normal(&mut reader, &mut layout);
             }
             b"f" | b"fo" => {
-                attributes.part(reader.polygons.len());
+                attributes.part(&reader, reader.polygons.len())?;
                 reader.face(Some(&mut attributes))?;
             }
             b"o" => attributes.open.object = Some(text(reader.lexer.rest())).filter(|name| !name.is_empty()),
@@ -163,13 +164,15 @@ impl<'a> Reader<'a> {
                 return Err(self.error(line, message, "the file is damaged or cut short: export it again"));
             };
             let token = &self.bytes[field.clone()];
-            position[axis] = number(token).ok_or_else(|| {
-                let message = format!(
-                    "vertex {} has coordinate `{}`: expected a finite number",
-                    self.positions.len() + 1,
-                    text(token)
-                );
-                self.error(line, message, "repair the file or export it again without NaN and infinity")
+            position[axis] = number(token).filter(|x| x.abs() < MAX_COORDINATE).ok_or_else(|| {
+                let (expected, hint) = match number(token) {
+                    Some(_) => {
+                        ("a number below 1e50", "scale the mesh down: its squares are beyond what can be computed")
+                    }
+                    None => ("a finite number", "repair the file or export it again without NaN and infinity"),
+                };
+                let (vertex, found) = (self.positions.len() + 1, shown(&text(token)));
+                self.error(line, format!("vertex {vertex} has coordinate `{found}`: expected {expected}"), hint)
             })?;
             fields[axis] = field;
         }
@@ -185,7 +188,7 @@ impl<'a> Reader<'a> {
         while let Some(token) = self.lexer.token() {
             let token = &self.bytes[token];
             let corner = Corner::parse(token).ok_or_else(|| {
-                let message = format!("`{}` is not a corner of a face", text(token));
+                let message = format!("`{}` is not a corner of a face", shown(&text(token)));
                 self.error(line, message, "expected vertex, vertex/texture, vertex//normal or vertex/texture/normal")
             })?;
             let vertex = self.entry(line, Kind::Vertex, corner.vertex, self.positions.len())?;
@@ -260,6 +263,9 @@ impl<'a> Reader<'a> {
     }
 }
 
+/// Parts have so many names of groups together, or as many as the file has room for.
+const MAX_GROUPED: usize = 1 << 18;
+
 const DAMAGED: &str = "the file is damaged or cut short: export it again";
 
 /// The data that faces refer to beside vertices, and the names they stand under.
@@ -271,6 +277,10 @@ struct Attributes {
     normal_indices: Vec<Option<u32>>,
     /// Texture coordinates and normals that are not numbers.
     unreadable: usize,
+    /// Numbers that texture coordinates and normals lack.
+    missing: usize,
+    /// The names of groups that parts have together.
+    grouped: usize,
     parts: Vec<Part>,
     /// The names that hold for the next face.
     open: Part,
@@ -278,7 +288,10 @@ struct Attributes {
 
 impl Attributes {
     fn texture(&mut self, reader: &mut Reader) {
+        let missing = self.missing;
         let value = [(); 2].map(|()| self.component(reader, &mut None));
+        // Textures of one dimension have one coordinate.
+        self.missing -= usize::from(self.missing == missing + 1);
         self.texture_values.push(value);
     }
 
@@ -290,7 +303,10 @@ impl Attributes {
 
     /// The next number, 0 if there is none. Exporters do write NaN here, so it is no error: no stage depends on it.
     fn component(&mut self, reader: &mut Reader, layout: &mut Option<&mut Layout>) -> f64 {
-        let Some(token) = reader.lexer.token() else { return 0.0 };
+        let Some(token) = reader.lexer.token() else {
+            self.missing += 1;
+            return 0.0;
+        };
         let token = &reader.bytes[token];
         if let Some(layout) = layout {
             layout.add_normal(token);
@@ -311,17 +327,33 @@ impl Attributes {
     }
 
     /// Starts a part at `polygon` if the names have changed.
-    fn part(&mut self, polygon: usize) {
+    ///
+    /// # Errors
+    ///
+    /// If parts have so many names that the file must be made to use up memory.
+    fn part(&mut self, reader: &Reader, polygon: usize) -> Result<()> {
         let same = |part: &Part| {
             (&part.object, &part.groups, &part.material) == (&self.open.object, &self.open.groups, &self.open.material)
         };
         if self.parts.last().is_some_and(same) {
-            return;
+            return Ok(());
+        }
+        self.grouped += self.open.groups.len();
+        // A file that names groups for each part anew has two bytes for each name.
+        if self.grouped > MAX_GROUPED.max(reader.bytes.len() / 2) {
+            let (groups, parts) = (self.open.groups.len(), self.parts.len() + 1);
+            let message = format!(
+                "{groups} groups at once, and {parts} changes of object, group and material: more than {} names in all",
+                self.grouped - 1
+            );
+            let hint = "give faces fewer groups, or sort them by their materials";
+            return Err(reader.error(reader.lexer.line(), message, hint));
         }
         if let Some(last) = self.parts.last_mut() {
             last.polygons.end = polygon;
         }
         self.parts.push(Part { polygons: polygon..polygon, ..self.open.clone() });
+        Ok(())
     }
 
     fn close_parts(&mut self, polygons: usize) -> Vec<Part> {
@@ -332,8 +364,11 @@ impl Attributes {
     }
 
     fn warnings(&self) -> Vec<String> {
-        let message = |n| format!("{n} texture coordinates or normals are not finite numbers and were read as 0");
-        (self.unreadable > 0).then(|| message(self.unreadable)).into_iter().collect()
+        let unreadable =
+            format!("{} texture coordinates or normals are not finite numbers and were read as 0", self.unreadable);
+        let missing = format!("`vt` and `vn` lines lack {} numbers, which were read as 0", self.missing);
+        let told = [(self.unreadable, unreadable), (self.missing, missing)];
+        told.into_iter().filter(|(count, _)| *count > 0).map(|(_, warning)| warning).collect()
     }
 }
 

@@ -6,7 +6,7 @@ use mimesh_core::{
 };
 use nalgebra::Point3;
 
-use crate::extras::Extras;
+use crate::{extras::Extras, names::shown};
 
 const DAMAGED: &str = "the file is damaged or cut short: export it again";
 
@@ -56,14 +56,18 @@ pub fn read(path: &Path, bytes: &[u8], warnings: &mut Vec<String>) -> Result<Mes
     let mut corners = Vec::new();
     for face in 0..reader.faces {
         let count = reader.word("face", face)?;
-        let count = count.parse::<usize>().map_err(|_| reader.wrong(format!("`{count}` is no count of corners")))?;
+        let count =
+            count.parse::<usize>().map_err(|_| reader.wrong(format!("`{}` is no count of corners", shown(count))))?;
         corners.clear();
         for _ in 0..count {
             let word = reader.word("face", face)?;
             let vertex = word.parse::<u32>().ok().filter(|&v| (v as usize) < mesh.positions.len());
             corners.push(vertex.ok_or_else(|| {
                 let vertices = mesh.positions.len();
-                reader.wrong(format!("face {face} (from 0) refers to vertex {word}: there are {vertices} (from 0)"))
+                reader.wrong(format!(
+                    "face {face} (from 0) refers to vertex {}: there are {vertices} (from 0)",
+                    shown(word)
+                ))
             })?);
         }
         let extra = reader.rest_of_line();
@@ -74,6 +78,13 @@ pub fn read(path: &Path, bytes: &[u8], warnings: &mut Vec<String>) -> Result<Mes
         mesh.polygons.push(&corners);
         indexed += usize::from(extra.len() == 1);
         colors.push(if extra.len() < 3 { None } else { Some(reader.color(&extra)) });
+    }
+    if let Some(word) = reader.next_word()? {
+        let (line, faces) = (reader.line, reader.faces);
+        warnings.push(format!(
+            "the file goes on after the {faces} faces that its header counts (line {line}: `{}`): if the counts are too low, faces are missing",
+            shown(word)
+        ));
     }
     if short > 0 {
         warnings.push(format!("{short} faces of fewer than three corners are left out"));
@@ -116,8 +127,13 @@ pub fn read_positions(path: &Path, bytes: &[u8]) -> Result<Vec<Point3<f64>>> {
 /// The words of a file line by line, without comments.
 struct Reader<'a> {
     path: &'a Path,
-    lines: Vec<(usize, Vec<&'a str>)>,
+    /// What comes after the line at hand.
+    rest: &'a [u8],
+    /// The number of the line at hand, from 1.
     line: usize,
+    /// Its words.
+    words: Vec<&'a str>,
+    /// How many of them are read.
     word: usize,
     kind: Kind,
     vertices: usize,
@@ -132,43 +148,40 @@ struct Reader<'a> {
 impl<'a> Reader<'a> {
     /// Reads the header.
     fn new(path: &'a Path, bytes: &'a [u8]) -> Result<Self> {
-        let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-        let mut lines = Vec::new();
-        for (number, line) in bytes.split(|&b| b == b'\n').enumerate() {
-            // The numbers are ASCII; comments may be in any encoding.
-            let text = line.split(|&b| b == b'#').next().unwrap_or_default();
-            let text = std::str::from_utf8(text).map_err(|_| {
-                let message = "not an OFF: bytes that are no text";
-                let hint = "binary OFF is not read: convert it to PLY or text, e.g. in MeshLab";
-                Error::line(path, number + 1, message, hint)
-            })?;
-            for text in text.split('\r') {
-                let words: Vec<_> = text.split_ascii_whitespace().collect();
-                if !words.is_empty() {
-                    lines.push((number + 1, words));
-                }
-            }
-        }
-        let (line, word, kind) = (0, 0, Kind::default());
-        let (normals, textures, colors) = Default::default();
-        let mut reader =
-            Self { path, lines, line, word, kind, vertices: 0, faces: 0, normals, textures, colors, bytes: true };
+        let rest = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+        let (words, normals, textures, colors) = Default::default();
+        let mut reader = Self {
+            path,
+            rest,
+            line: 0,
+            words,
+            word: 0,
+            kind: Kind::default(),
+            vertices: 0,
+            faces: 0,
+            normals,
+            textures,
+            colors,
+            bytes: true,
+        };
         // The first word may be missing in a plain file.
-        if let Some(kind) = reader.peek().and_then(Kind::new) {
+        if let Some(kind) = reader.next_word()?.and_then(Kind::new) {
             reader.kind = kind;
             reader.word("header", 0)?;
         }
         if reader.kind.other_dimension {
             let hint = "give a mesh in three dimensions";
-            return Err(Error::file(path, "an OFF whose vertices have other than three coordinates", hint));
+            let message = "the kinds `4OFF` and `nOFF` have vertices with other than three coordinates";
+            return Err(Error::line(path, reader.line, message, hint));
         }
-        if reader.peek().is_some_and(|word| word.eq_ignore_ascii_case("binary")) {
+        if reader.next_word()?.is_some_and(|word| word.eq_ignore_ascii_case("binary")) {
             let hint = "convert it to PLY or text, e.g. in MeshLab";
-            return Err(Error::file(path, "binary OFF is not read", hint));
+            return Err(Error::line(path, reader.line, "binary OFF is not read: expected text", hint));
         }
         let count = |reader: &mut Self| {
             let word = reader.word("header", 0)?;
-            word.parse::<usize>().map_err(|_| reader.wrong(format!("`{word}` is no count of vertices or faces")))
+            word.parse::<usize>()
+                .map_err(|_| reader.wrong(format!("`{}` is no count of vertices or faces", shown(word))))
         };
         reader.vertices = count(&mut reader)?;
         reader.faces = count(&mut reader)?;
@@ -209,38 +222,61 @@ impl<'a> Reader<'a> {
         let mut numbers = [0.0; N];
         for number in &mut numbers {
             let word = self.word("vertex", vertex)?;
-            *number =
-                word.parse().map_err(|_| self.wrong(format!("`{word}` of vertex {vertex} (from 0) is no number")))?;
+            *number = match word.parse() {
+                Ok(x) if f64::is_finite(x) => x,
+                Ok(_) => return Err(self.wrong(format!("`{word}` of vertex {vertex} (from 0) is no finite number"))),
+                Err(_) => {
+                    let word = shown(word);
+                    return Err(self.wrong(format!("`{word}` of vertex {vertex} (from 0) is no number")));
+                }
+            };
         }
         Ok(numbers)
     }
 
-    fn peek(&self) -> Option<&'a str> {
-        self.lines.get(self.line)?.1.get(self.word).copied()
+    /// The word that comes next, on this line or a later one.
+    fn next_word(&mut self) -> Result<Option<&'a str>> {
+        while self.word == self.words.len() && !self.rest.is_empty() {
+            self.read_line()?;
+        }
+        Ok(self.words.get(self.word).copied())
     }
 
-    /// The next word, which may stand on a later line.
+    fn read_line(&mut self) -> Result<()> {
+        let length = self.rest.iter().position(|b| matches!(b, b'\n' | b'\r')).unwrap_or(self.rest.len());
+        let (line, rest) = self.rest.split_at(length);
+        let ends_in_two = rest.starts_with(b"\r\n");
+        self.rest = &rest[rest.len().min(if ends_in_two { 2 } else { 1 })..];
+        self.line += 1;
+        // The numbers are ASCII; comments may be in any encoding.
+        let text = line.split(|&b| b == b'#').next().unwrap_or_default();
+        let text = std::str::from_utf8(text).map_err(|_| {
+            let hint = "binary OFF is not read: convert it to PLY or text, e.g. in MeshLab";
+            Error::line(self.path, self.line, "not an OFF: bytes that are no text", hint)
+        })?;
+        self.words.clear();
+        self.words.extend(text.split_ascii_whitespace());
+        self.word = 0;
+        Ok(())
+    }
+
+    /// The next word, which is taken.
     fn word(&mut self, element: &str, entry: usize) -> Result<&'a str> {
-        if self.lines.get(self.line).is_some_and(|(_, words)| self.word == words.len()) {
-            self.line += 1;
-            self.word = 0;
-        }
-        let word = self.peek().ok_or_else(|| self.wrong(format!("the file ends in {element} {entry} (from 0)")))?;
+        let word = self.next_word()?;
+        let word = word.ok_or_else(|| self.wrong(format!("the file ends in {element} {entry} (from 0)")))?;
         self.word += 1;
         Ok(word)
     }
 
     /// The words that are left on the line of the last one.
     fn rest_of_line(&mut self) -> Vec<&'a str> {
-        let Some((_, words)) = self.lines.get(self.line) else { return Vec::new() };
-        let rest = words[self.word..].to_vec();
-        self.word = words.len();
+        let rest = self.words[self.word..].to_vec();
+        self.word = self.words.len();
         rest
     }
 
     fn wrong(&self, message: String) -> Error {
-        let line = self.lines.get(self.line).or(self.lines.last()).map_or(1, |(line, _)| *line);
-        Error::line(self.path, line, format!("not an OFF: {message}"), DAMAGED)
+        Error::line(self.path, self.line.max(1), format!("not an OFF: {message}"), DAMAGED)
     }
 
     /// A colour as it stands in the file; its opacity is NaN if it has none.

@@ -3,9 +3,10 @@
 use mimesh_core::Result;
 
 use super::{
-    header::{Element, Scalar},
+    header::{Element, Property, Scalar},
     values::Values,
 };
+use crate::names::shown;
 
 /// Reads every entry of `element` and gives `take` its number and each property with its values.
 ///
@@ -13,12 +14,16 @@ use super::{
 ///
 /// [`Error::File`] if the file ends before.
 pub fn for_each(element: &Element, values: &mut Values<'_>, mut take: impl FnMut(usize, usize, &[f64])) -> Result<()> {
+    values.check_room(element)?;
+    if element.properties.is_empty() {
+        return Ok(());
+    }
     let mut list = Vec::new();
     for entry in 0..element.count {
         for (number, property) in element.properties.iter().enumerate() {
             list.clear();
             let length = match property.list {
-                Some(scalar) => values.next(scalar, &element.name, entry)?.max(0.0) as usize,
+                Some(scalar) => length(values, scalar, property, element, entry)?,
                 None => 1,
             };
             for _ in 0..length {
@@ -28,6 +33,24 @@ pub fn for_each(element: &Element, values: &mut Values<'_>, mut take: impl FnMut
         }
     }
     Ok(())
+}
+
+/// The length of a list.
+fn length(
+    values: &mut Values<'_>,
+    scalar: Scalar,
+    property: &Property,
+    element: &Element,
+    entry: usize,
+) -> Result<usize> {
+    let length = values.next(scalar, &element.name, entry)?;
+    if length >= 0.0 && length.fract() == 0.0 {
+        return Ok(length as usize);
+    }
+    let (list, of) = (shown(&property.name), &element.name);
+    Err(values.wrong(format!(
+        "the list `{list}` of {of} {entry} (from 0) has the length {length}: expected a whole number from 0"
+    )))
 }
 
 /// The place of a property in a colour.

@@ -9,18 +9,19 @@ use super::{
 /// The faces of a file, and triangles that it holds as strips.
 #[derive(Default)]
 pub struct Faces {
-    /// The vertices of the faces one after another, as the file numbers them.
-    corners: Vec<f64>,
-    /// Where the corners of each face end.
-    ends: Vec<usize>,
-    /// Texture coordinates of the corners.
+    polygons: Polygons,
+    /// The first face with a corner that is no vertex of any file, and that corner.
+    wrong: Option<(usize, f64)>,
+    /// Texture coordinates of the corners, from the first face with such on those of all.
     wedges: Vec<[f64; 2]>,
-    has_wedges: bool,
+    /// Those of faces, if these have colours.
     color_slots: Vec<[f64; 4]>,
     /// The type of colours.
     pub color: Option<Scalar>,
     /// The faces of fewer than three corners, which are left out.
     pub short: usize,
+    /// The face at hand.
+    vertices: Vec<u32>,
 }
 
 /// Lists of vertices have one of these names.
@@ -73,12 +74,30 @@ impl Faces {
             self.short += 1;
             return;
         }
-        let wedge = |k: usize| face.wedges.get(2 * k..2 * k + 2).map_or([0.0; 2], |uv| [uv[0], uv[1]]);
-        self.wedges.extend((0..face.corners.len()).map(wedge));
-        self.has_wedges |= !face.wedges.is_empty();
-        self.color_slots.push(face.color);
-        self.corners.extend_from_slice(&face.corners);
-        self.ends.push(self.corners.len());
+        if !face.wedges.is_empty() || !self.wedges.is_empty() {
+            self.wedges.resize(self.polygons.corner_count(), [0.0; 2]);
+            let wedge = |k: usize| face.wedges.get(2 * k..2 * k + 2).map_or([0.0; 2], |uv| [uv[0], uv[1]]);
+            self.wedges.extend((0..face.corners.len()).map(wedge));
+        }
+        if self.color.is_some() {
+            self.color_slots.resize(self.polygons.len(), [0.0; 4]);
+            self.color_slots.push(face.color);
+        }
+        self.add_polygon(face.corners.iter().copied());
+    }
+
+    fn add_polygon(&mut self, corners: impl Iterator<Item = f64>) {
+        let face = self.polygons.len();
+        let is_vertex = |corner: f64| corner.fract() == 0.0 && (0.0..f64::from(u32::MAX)).contains(&corner);
+        let wrong = &mut self.wrong;
+        self.vertices.clear();
+        self.vertices.extend(corners.map(|corner| {
+            if !is_vertex(corner) {
+                wrong.get_or_insert((face, corner));
+            }
+            corner as u32
+        }));
+        self.polygons.push(&self.vertices);
     }
 
     /// Reads strips: a triangle from every third vertex on, every second turned over; -1 begins another strip.
@@ -97,7 +116,7 @@ impl Faces {
                     let [a, b, c] = [window[k % 2], window[1 - k % 2], window[2]];
                     // Strips repeat vertices to turn corners.
                     if a != b && b != c && a != c {
-                        self.push(&Face { corners: vec![a, b, c], ..Face::default() });
+                        self.add_polygon([a, b, c].into_iter());
                     }
                 }
             }
@@ -109,28 +128,30 @@ impl Faces {
     /// # Errors
     ///
     /// The face that refers to no vertex.
-    pub fn polygons(&self, vertices: usize) -> Result<Polygons, String> {
-        let mut polygons = Polygons::default();
-        let (mut start, mut face) = (0, Vec::new());
-        for (index, &end) in self.ends.iter().enumerate() {
-            face.clear();
-            for &corner in &self.corners[start..end] {
-                if !(corner >= 0.0 && corner < vertices as f64 && corner.fract() == 0.0) {
-                    return Err(format!(
-                        "face {index} (from 0) refers to vertex {corner}: there are {vertices} (from 0)"
-                    ));
-                }
-                face.push(corner as u32);
+    pub fn polygons(&mut self, vertices: usize) -> Result<Polygons, String> {
+        let is_wrong = |face: &usize| self.polygons.get(*face).iter().any(|&corner| corner as usize >= vertices);
+        let beyond = (0..self.polygons.len()).find(is_wrong).map(|face| {
+            let corners = self.polygons.get(face).iter();
+            (face, f64::from(corners.copied().find(|&corner| corner as usize >= vertices).unwrap_or_default()))
+        });
+        match [self.wrong, beyond].into_iter().flatten().min_by_key(|(face, _)| *face) {
+            Some((face, corner)) => {
+                Err(format!("face {face} (from 0) refers to vertex {corner}: there are {vertices} (from 0)"))
             }
-            polygons.push(&face);
-            start = end;
+            None => {
+                // The last faces may have neither.
+                if !self.wedges.is_empty() {
+                    self.wedges.resize(self.polygons.corner_count(), [0.0; 2]);
+                }
+                self.color_slots.resize(self.color.map_or(0, |_| self.polygons.len()), [0.0; 4]);
+                Ok(std::mem::take(&mut self.polygons))
+            }
         }
-        Ok(polygons)
     }
 
     /// The texture coordinates of all corners, if any face has them; 0 where a face has not as many as corners.
-    pub fn texture_coordinates(&self) -> Option<Vec<[f64; 2]>> {
-        self.has_wedges.then(|| self.wedges.clone())
+    pub fn texture_coordinates(&mut self) -> Option<Vec<[f64; 2]>> {
+        (!self.wedges.is_empty()).then(|| std::mem::take(&mut self.wedges))
     }
 
     /// The colours of the faces, each 0 to 1.

@@ -1,10 +1,11 @@
 //! The header of a PLY: what stands in the file, in which order and as what.
 
-use std::path::Path;
+use std::{collections::HashSet, path::Path};
 
 use mimesh_core::{Error, Result};
 
 use super::Encoding;
+use crate::names::shown;
 
 /// The header of a file.
 #[derive(Debug)]
@@ -94,6 +95,8 @@ impl Header {
     pub fn read(path: &Path, bytes: &[u8]) -> Result<Self> {
         let mut header = Self { encoding: Encoding::Ascii, elements: Vec::new(), texture: None, end: 0, lines: 0 };
         let mut has_format = false;
+        // Of properties, with the number of their element.
+        let mut names = HashSet::new();
         loop {
             let Some(line) = header.line(bytes) else {
                 let message = if header.lines == 0 { "it does not begin with `ply`" } else { "no `end_header`" };
@@ -105,7 +108,8 @@ impl Header {
                 ["ply"] if header.lines == 1 => {}
                 _ if header.lines == 1 => return Err(wrong("it does not begin with `ply`".into())),
                 ["format", name, _] => {
-                    header.encoding = Encoding::named(name).ok_or_else(|| wrong(format!("no format `{name}`")))?;
+                    header.encoding =
+                        Encoding::named(name).ok_or_else(|| wrong(format!("no format `{}`", shown(name))))?;
                     has_format = true;
                 }
                 ["comment", "TextureFile", ..] => {
@@ -113,17 +117,37 @@ impl Header {
                 }
                 [] | ["comment" | "obj_info", ..] => {}
                 ["element", name, count] => {
-                    let count = count.parse().map_err(|_| wrong(format!("`{count}` is no count of {name} entries")))?;
-                    header.elements.push(Element { name: name.into(), count, properties: Vec::new() });
+                    let name = shown(name);
+                    if is_read(&name) && header.elements.iter().any(|element| element.name == name) {
+                        return Err(wrong(format!("a second element `{name}`")));
+                    }
+                    let count = count
+                        .parse()
+                        .map_err(|_| wrong(format!("`{}` is no count of {name} entries", shown(count))))?;
+                    header.elements.push(Element { name, count, properties: Vec::new() });
                 }
                 ["property", ref rest @ ..] => {
-                    let property = property(rest).ok_or_else(|| wrong(format!("`{}` is no property", line.trim())))?;
-                    let element = header.elements.last_mut();
-                    element.ok_or_else(|| wrong("a property before any element".into()))?.properties.push(property);
+                    let property =
+                        property(rest).ok_or_else(|| wrong(format!("`{}` is no property", shown(line.trim()))))?;
+                    let elements = header.elements.len();
+                    let Some(element) = header.elements.last_mut() else {
+                        return Err(wrong("a property before any element".into()));
+                    };
+                    if !names.insert((elements, property.name.clone())) && is_read(&element.name) {
+                        return Err(wrong(format!(
+                            "a second property `{}` of {}",
+                            shown(&property.name),
+                            element.name
+                        )));
+                    }
+                    element.properties.push(property);
+                }
+                ["end_header"] if has_format && bytes[header.end..].starts_with(b"end_header") => {
+                    return Err(wrong("a second `end_header`".into()));
                 }
                 ["end_header"] if has_format => return Ok(header),
                 ["end_header"] => return Err(wrong("no `format`".into())),
-                _ => return Err(wrong(format!("`{}` has no place in a header", line.trim()))),
+                _ => return Err(wrong(format!("`{}` has no place in a header", shown(line.trim())))),
             }
         }
     }
@@ -139,6 +163,11 @@ impl Header {
         self.lines += 1;
         Some(String::from_utf8_lossy(line))
     }
+}
+
+/// Whether entries of this name are read.
+fn is_read(element: &str) -> bool {
+    matches!(element, "vertex" | "face" | "tristrips")
 }
 
 fn property(words: &[&str]) -> Option<Property> {

@@ -12,7 +12,14 @@ use super::{
     header::{Element, Header, Property, Scalar},
     values::Values,
 };
-use crate::{encoding, extras::Extras};
+use crate::{
+    encoding,
+    extras::Extras,
+    names::{quoted, shown},
+};
+
+/// No more of what is left out is told by name.
+const MAX_LEFT_OUT: usize = 40;
 
 /// The entries of a file.
 #[derive(Default)]
@@ -31,7 +38,7 @@ pub struct Entries {
 ///
 /// [`Error::File`] if the header or an element is damaged, or there are no polygons.
 pub fn read(path: &Path, bytes: &[u8]) -> Result<MeshSequence> {
-    let Entries { vertices, faces, mut left_out, mut warnings, double, texture } = entries(path, bytes)?;
+    let Entries { vertices, mut faces, mut left_out, mut warnings, double, texture } = entries(path, bytes)?;
     let damaged = |message: String| Error::file(path, message, "the file is damaged or cut short: export it again");
     let mut mesh = Mesh { positions: vertices.positions(), ..Mesh::default() };
     if faces.short > 0 {
@@ -57,7 +64,7 @@ pub fn read(path: &Path, bytes: &[u8]) -> Result<MeshSequence> {
         None => vertices.columns([6, 7]).map(|values| attribute(values, by_vertex(&mesh))),
     };
     mesh.vertex_colors = vertices.colors();
-    left_out.extend(texture.map(|name| format!("the name of the texture file `{name}`")));
+    left_out.extend(texture.map(|name| format!("the name of the texture file `{}`", shown(&name))));
     let colors_are_bytes = vertices.colors.or(faces.color).is_none_or(|scalar| scalar == Scalar::U8);
     mesh.document = Document::new(Extras { double, colors_are_bytes, face_colors: faces.colors(), left_out });
     Ok(MeshSequence { rest: mesh, warnings, ..MeshSequence::default() })
@@ -80,33 +87,48 @@ fn entries(path: &Path, bytes: &[u8]) -> Result<Entries> {
     let mut entries = Entries { texture: header.texture.clone(), ..Entries::default() };
     entries.warnings.extend(text.is_some().then(|| encoding::NOTE.into()));
     for element in &header.elements {
-        // Every entry takes at least a byte; without this a damaged count would be counted to its end.
-        if element.count > bytes.len() {
-            let message = format!("{} {} entries in a file of {} bytes", element.count, element.name, bytes.len());
-            let hint = "the file is damaged or cut short: export it again";
-            return Err(Error::file(path, message, hint));
-        }
         match element.name.as_str() {
             "vertex" => entries.vertices.read(element, &mut values)?,
             "face" => entries.faces.read(element, &mut values)?,
             "tristrips" => entries.faces.read_strips(element, &mut values)?,
             name => {
-                entries.left_out.push(format!("the element `{name}`"));
+                if entries.left_out.len() < MAX_LEFT_OUT {
+                    entries.left_out.push(format!("the element `{name}`"));
+                }
                 for_each(element, &mut values, |_, _, _| {})?;
             }
         }
         entries.left_out.extend(unknown(element));
     }
-    if !entries.vertices.has(&[0, 1, 2]) {
-        let hint = "the file is damaged or cut short: export it again";
-        return Err(Error::file(path, "no vertices with x, y and z", hint));
-    }
+    check_coordinates(path, &header, &entries.vertices)?;
     entries.double = header.elements.iter().any(|element| {
         let is_double = |p: &Property| p.name == "x" && p.scalar == Scalar::F64;
         element.name == "vertex" && element.properties.iter().any(is_double)
     });
     values.finish(&mut entries.warnings)?;
     Ok(entries)
+}
+
+/// Checks that vertices have three coordinates.
+fn check_coordinates(path: &Path, header: &Header, vertices: &Vertices) -> Result<()> {
+    let Some(missing) = ["x", "y", "z"].into_iter().zip(0..).find(|(_, slot)| !vertices.given[*slot]) else {
+        return Ok(());
+    };
+    let missing = missing.0;
+    let of_name = header.elements.iter().find(|element| element.name == "vertex");
+    let message = match of_name {
+        Some(element) => {
+            let names: Vec<_> = element.properties.iter().map(|property| &property.name).collect();
+            let found = if names.is_empty() { "none".into() } else { quoted(&names) };
+            format!("the element `vertex` has no property `{missing}`: expected numbers x, y and z, found {found}")
+        }
+        None => {
+            let names: Vec<_> = header.elements.iter().map(|element| &element.name).collect();
+            let found = if names.is_empty() { "none".into() } else { quoted(&names) };
+            format!("the header has no element `vertex`: expected vertices with x, y and z, found {found}")
+        }
+    };
+    Err(Error::file(path, message, "name coordinates x, y and z in the header, or export the mesh again as PLY"))
 }
 
 /// The names of the properties of vertices and faces that are not read.
@@ -116,9 +138,8 @@ fn unknown(element: &Element) -> Option<String> {
         "face" => Faces::knows,
         _ => return None,
     };
-    let names = element.properties.iter().filter(|p| !is_known(p)).map(|property| format!("`{}`", property.name));
-    let names: Vec<_> = names.collect();
-    (!names.is_empty()).then(|| format!("the {} properties {}", element.name, names.join(", ")))
+    let names: Vec<_> = element.properties.iter().filter(|p| !is_known(p)).map(|property| &property.name).collect();
+    (!names.is_empty()).then(|| format!("the {} properties {}", element.name, quoted(&names)))
 }
 
 /// An attribute of corners; what is not finite is 0, since no stage depends on it.
@@ -145,7 +166,9 @@ fn slot_of(name: &str) -> Option<usize> {
 /// The vertices, by [`slot_of`] the names of their properties.
 #[derive(Default)]
 struct Vertices {
-    slots: Vec<[f64; 12]>,
+    /// The numbers of each slot that the file has, by vertex.
+    slots: [Vec<f64>; 12],
+    count: usize,
     /// Which slots the file has.
     given: [bool; 12],
     /// The type of colours.
@@ -158,13 +181,14 @@ impl Vertices {
         let places: Vec<_> = element.properties.iter().map(place).collect();
         places.iter().flatten().for_each(|&slot| self.given[slot] = true);
         self.colors = color_type(element);
-        // Opaque, where a file has no opacity.
-        let mut vertex = [0.0; 12];
-        vertex[11] = self.colors.and_then(Scalar::full).unwrap_or(1.0);
-        self.slots = vec![vertex; element.count];
+        values.check_room(element)?;
+        self.count = element.count;
+        for (slot, _) in self.slots.iter_mut().zip(self.given).filter(|(_, given)| *given) {
+            *slot = vec![0.0; element.count];
+        }
         for_each(element, values, |entry, property, numbers| {
             if let Some(slot) = places[property] {
-                self.slots[entry][slot] = numbers[0];
+                self.slots[slot][entry] = numbers[0];
             }
         })
     }
@@ -174,15 +198,18 @@ impl Vertices {
     }
 
     fn columns<const N: usize>(&self, slots: [usize; N]) -> Option<Vec<[f64; N]>> {
-        self.has(&slots).then(|| self.slots.iter().map(|vertex| slots.map(|slot| vertex[slot])).collect())
+        self.has(&slots).then(|| (0..self.count).map(|vertex| slots.map(|slot| self.slots[slot][vertex])).collect())
     }
 
     fn positions(&self) -> Vec<Point3<f64>> {
-        self.slots.iter().map(|&[x, y, z, ..]| Point3::new(x, y, z)).collect()
+        let [x, y, z, ..] = &self.slots;
+        x.iter().zip(y).zip(z).map(|((x, y), z)| Point3::new(*x, *y, *z)).collect()
     }
 
     fn colors(&self) -> Option<Vec<[f64; 4]>> {
         let full = self.colors?.full()?;
-        Some(self.slots.iter().map(|v| [v[8], v[9], v[10], v[11]].map(|x| unit(x / full))).collect())
+        // Opaque, where a file has no opacity.
+        let part = |slot: usize, vertex: usize| self.slots[slot].get(vertex).map_or(1.0, |x| unit(x / full));
+        Some((0..self.count).map(|vertex| [8, 9, 10, 11].map(|slot| part(slot, vertex))).collect())
     }
 }

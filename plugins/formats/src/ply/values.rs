@@ -6,8 +6,9 @@ use mimesh_core::{Error, Result};
 
 use super::{
     Encoding,
-    header::{Header, Scalar},
+    header::{Element, Header, Scalar},
 };
+use crate::names::shown;
 
 /// Walks over the numbers after a header. Entries of a text may take several lines, or share one.
 pub struct Values<'a> {
@@ -57,11 +58,30 @@ impl<'a> Values<'a> {
         })
     }
 
-    /// Checks that nothing is left; bytes on lines of their own, or after binary numbers, are a warning.
+    /// Checks that the entries of `element` can be in what is left of the file, before room is made for them.
     ///
     /// # Errors
     ///
-    /// [`Error::File`] if the line of the last number goes on: the entries of the file have more numbers than its header says.
+    /// [`Error::File`] with both counts.
+    pub fn check_room(&self, element: &Element) -> Result<()> {
+        // In a text a number takes a digit and a blank; the last blank may be missing.
+        let least = |scalar: Scalar| if self.encoding == Encoding::Ascii { 2 } else { scalar.size() };
+        let least: usize = element.properties.iter().map(|p| least(p.list.unwrap_or(p.scalar))).sum();
+        let left = self.bytes.len() - self.at;
+        if element.count.saturating_mul(least) <= left.saturating_add(1) {
+            return Ok(());
+        }
+        let Element { name, count, .. } = element;
+        Err(self.wrong(format!(
+            "the header counts {count} {name} entries of at least {least} bytes each, the file has {left} bytes for them"
+        )))
+    }
+
+    /// Checks that nothing is left; bytes that are no entries are a warning.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::File`] if numbers follow in a text: its entries are more, or have more numbers, than its header says.
     pub fn finish(mut self, warnings: &mut Vec<String>) -> Result<()> {
         let line = self.line;
         if self.encoding == Encoding::Ascii {
@@ -72,7 +92,12 @@ impl<'a> Values<'a> {
             _ if self.encoding == Encoding::Ascii && self.line == line => {
                 return Err(self.wrong("the entries have more numbers than the header has properties".into()));
             }
-            left => warnings.push(format!("{left} bytes after the last entry are not read")),
+            _ if self.encoding == Encoding::Ascii && self.word("", 0).is_ok() => {
+                return Err(self.wrong("the file has more entries than the header counts".into()));
+            }
+            left => warnings.push(format!(
+                "{left} bytes after the last entry are not read: if the header's counts are too low, entries are missing"
+            )),
         }
         Ok(())
     }
@@ -97,13 +122,15 @@ impl<'a> Values<'a> {
         // Old C libraries write 1.#QNAN and -1.#IND for what is no number.
         let number = if text.contains('#') { Some(f64::NAN) } else { text.parse().ok() };
         let number = number.ok_or_else(|| {
-            self.wrong(format!("`{}` of {element} {entry} (from 0) is no number", String::from_utf8_lossy(word)))
+            let word = String::from_utf8_lossy(word);
+            self.wrong(format!("`{}` of {element} {entry} (from 0) is no number", shown(&word)))
         })?;
         self.at += length;
         Ok(number)
     }
 
-    fn wrong(&self, message: String) -> Error {
+    /// The error `message` at the byte at hand.
+    pub fn wrong(&self, message: String) -> Error {
         let hint = "the file is damaged or cut short: export it again";
         let message = format!("not a PLY: {message}");
         match self.encoding {

@@ -1,5 +1,7 @@
 //! MDD, the point cache of LightWave.
 
+use std::path::Path;
+
 use mimesh_core::{
     Error, Result,
     mesh::{ClipTime, Mesh, MeshSequence},
@@ -48,10 +50,12 @@ impl Format for Mdd {
         check_ranges(self)?;
         let file = input.open()?;
         let header = first_bytes(&*file, HEADER)?;
-        let stored = frames_of(&header).map_or(0, |frames| 4 * frames);
+        let stored = frames_of(&header).map_or(0, |frames| frames.saturating_mul(4));
         let times = first_bytes(&*file, HEADER.saturating_add(stored))?;
-        let samples = self.samples(&times, file).map_err(|message| Error::file(input.path(), message, DAMAGED))?;
-        sequence(input.path(), samples, selection)
+        let mut warnings = Vec::new();
+        let samples = self.samples(input.path(), &times, file, &mut warnings);
+        let samples = samples.map_err(|message| Error::file(input.path(), message, DAMAGED))?;
+        sequence(input.path(), samples, selection, warnings)
     }
 
     fn holds_poses(&self) -> bool {
@@ -86,7 +90,13 @@ const HEADER: usize = 8;
 
 impl Mdd {
     /// The header: frames, points, and the seconds of each frame; numbers are big-endian.
-    fn samples(&self, bytes: &[u8], file: Box<dyn ReadAt>) -> Result<Samples, String> {
+    fn samples(
+        &self,
+        path: &Path,
+        bytes: &[u8],
+        file: Box<dyn ReadAt>,
+        warnings: &mut Vec<String>,
+    ) -> Result<Samples, String> {
         let word = |at: usize| Some(<[u8; 4]>::try_from(bytes.get(at..at + 4)?).expect("the slice has four bytes"));
         let (Some(frames), Some(points)) = (word(0).map(i32::from_be_bytes), word(4).map(i32::from_be_bytes)) else {
             return Err(format!("the header takes {HEADER} bytes, the file has {}", bytes.len()));
@@ -99,12 +109,25 @@ impl Mdd {
         if times.len() < frames {
             return Err(format!("{frames} frames have {} times: expected one each", times.len()));
         }
+        Samples::check_length(&*file, (HEADER + 4 * frames) as u64, [frames, points], warnings)?;
         // Some programs write no times.
         let is_ascending = times.windows(2).all(|pair| pair[0] < pair[1]) && times.iter().all(|time| time.is_finite());
         if !is_ascending {
+            if frames > 1 && times.iter().any(|time| *time != 0.0) {
+                let rate = self.frames_per_second;
+                warnings
+                    .push(format!("the times of the frames do not ascend: they are read as {rate} frames a second"));
+            }
             times = (0..frames).map(|frame| frame as f64 / self.frames_per_second).collect();
         }
-        Ok(Samples { file, start: (HEADER + 4 * frames) as u64, points, times, decode: f32::from_be_bytes })
+        Ok(Samples {
+            file,
+            path: path.into(),
+            start: (HEADER + 4 * frames) as u64,
+            points,
+            times,
+            decode: f32::from_be_bytes,
+        })
     }
 }
 

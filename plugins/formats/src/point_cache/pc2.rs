@@ -1,5 +1,7 @@
 //! PC2, the point cache of 3ds Max and of modifiers in Blender.
 
+use std::path::Path;
+
 use mimesh_core::{
     Error, Result,
     mesh::{ClipTime, Mesh, MeshSequence},
@@ -48,8 +50,10 @@ impl Format for Pc2 {
         check_ranges(self)?;
         let file = input.open()?;
         let header = first_bytes(&*file, HEADER)?;
-        let samples = self.samples(&header, file).map_err(|message| Error::file(input.path(), message, DAMAGED))?;
-        sequence(input.path(), samples, selection)
+        let mut warnings = Vec::new();
+        let samples = self.samples(input.path(), &header, file, &mut warnings);
+        let samples = samples.map_err(|message| Error::file(input.path(), message, DAMAGED))?;
+        sequence(input.path(), samples, selection, warnings)
     }
 
     fn holds_poses(&self) -> bool {
@@ -89,7 +93,13 @@ const UNEVEN: f64 = 1e-2;
 
 impl Pc2 {
     /// The header: magic, version, points a sample, first frame, frames a sample, samples; numbers are little-endian.
-    fn samples(&self, bytes: &[u8], file: Box<dyn ReadAt>) -> Result<Samples, String> {
+    fn samples(
+        &self,
+        path: &Path,
+        bytes: &[u8],
+        file: Box<dyn ReadAt>,
+        warnings: &mut Vec<String>,
+    ) -> Result<Samples, String> {
         if bytes.get(..MAGIC.len()) != Some(MAGIC) {
             return Err("not a PC2: it does not start with `POINTCACHE2`".into());
         }
@@ -111,11 +121,9 @@ impl Pc2 {
             ));
         }
         // Times that the file has no room for are not made.
-        if count as u64 > file.length() {
-            return Err(format!("{count} samples in {} bytes", file.length()));
-        }
+        Samples::check_length(&*file, HEADER as u64, [count, points], warnings)?;
         let times = (0..count).map(|sample| (start + sample as f64 * rate) / self.frames_per_second).collect();
-        Ok(Samples { file, start: HEADER as u64, points, times, decode: f32::from_le_bytes })
+        Ok(Samples { file, path: path.into(), start: HEADER as u64, points, times, decode: f32::from_le_bytes })
     }
 }
 

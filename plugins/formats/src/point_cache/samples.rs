@@ -1,10 +1,13 @@
 //! The samples of a point cache as poses, each read when it is asked for.
 
-use std::{path::Path, sync::Arc};
+use std::{
+    path::{Path, PathBuf},
+    sync::Arc,
+};
 
 use mimesh_core::{
     Error, Result,
-    mesh::{Animation, ClipTime, ComputePoses, Mesh, MeshSequence, Pose, Positions},
+    mesh::{Animation, ClipTime, ComputePoses, Mesh, MeshSequence, Pose, Positions, check_finite},
     stage::{ClipChoice, ClipTimes, PoseChoice, ReadAt, RestShape, Selection},
 };
 use nalgebra::Point3;
@@ -22,8 +25,9 @@ pub const DAMAGED: &str = "the file is damaged or cut short: export it again";
 
 /// The contents of a point cache.
 pub struct Samples {
-    /// The file.
+    /// The file, and its name for messages.
     pub file: Box<dyn ReadAt>,
+    pub path: PathBuf,
     /// Where the first position starts.
     pub start: u64,
     /// Positions a sample.
@@ -42,19 +46,28 @@ struct Poses {
 }
 
 impl Samples {
-    /// Checks that the file is long enough.
+    /// Checks that the file is long enough for samples of points from byte `start` on; bytes after them are told in `warnings`.
     ///
     /// # Errors
     ///
     /// The message with both lengths, or that there is no sample or no point.
-    pub fn check_length(&self) -> Result<(), String> {
-        let (samples, points) = (self.times.len(), self.points);
+    pub fn check_length(
+        file: &dyn ReadAt,
+        start: u64,
+        [samples, points]: [usize; 2],
+        warnings: &mut Vec<String>,
+    ) -> Result<(), String> {
         if samples == 0 || points == 0 {
             return Err(format!("empty point cache: {samples} samples of {points} points"));
         }
         let wanted = (samples as u64).checked_mul(points as u64).and_then(|count| count.checked_mul(POSITION));
-        let wanted = wanted.and_then(|bytes| bytes.checked_add(self.start));
-        let found = self.file.length();
+        let wanted = wanted.and_then(|bytes| bytes.checked_add(start));
+        let found = file.length();
+        if let Some(left) = wanted.and_then(|wanted| found.checked_sub(wanted)).filter(|left| *left > 0) {
+            warnings.push(format!(
+                "{left} bytes after the last sample are not read: if the header's counts are too low, samples are missing"
+            ));
+        }
         if wanted.is_none_or(|wanted| wanted > found) {
             let wanted = wanted.map_or("more than there can be".to_owned(), |wanted| wanted.to_string());
             return Err(format!("{samples} samples of {points} points take {wanted} bytes, the file has {found}"));
@@ -82,7 +95,13 @@ impl Samples {
         self.file.read_at(self.start + sample as u64 * bytes.len() as u64, &mut bytes)?;
         let number = |bytes: &[u8]| f64::from((self.decode)([bytes[0], bytes[1], bytes[2], bytes[3]]));
         let position = |bytes: &[u8]| Point3::new(number(&bytes[..4]), number(&bytes[4..8]), number(&bytes[8..]));
-        Ok(bytes.chunks_exact(POSITION as usize).map(position).collect())
+        let positions: Vec<Point3<f64>> = bytes.chunks_exact(POSITION as usize).map(position).collect();
+        match check_finite(&positions) {
+            Err(Error::Data { message, hint }) => {
+                Err(Error::file(&self.path, format!("sample {sample} (from 0): {message}"), hint))
+            }
+            other => other.map(|()| positions),
+        }
     }
 }
 
@@ -107,14 +126,17 @@ pub fn first_bytes(file: &dyn ReadAt, count: usize) -> Result<Vec<u8>> {
 ///
 /// # Errors
 ///
-/// [`Error::File`] if the file is cut short, or has no such clip, pose or times.
-pub fn sequence(path: &Path, samples: Samples, selection: &Selection) -> Result<MeshSequence> {
-    samples.check_length().map_err(|message| Error::file(path, message, DAMAGED))?;
+/// [`Error::File`] if the file has no such clip, pose or times, or a rest that is not finite.
+pub fn sequence(
+    path: &Path,
+    samples: Samples,
+    selection: &Selection,
+    mut warnings: Vec<String>,
+) -> Result<MeshSequence> {
     let unknown = |message: String| Error::file(path, message, "the clip of a point cache is called as its file");
     let name = path.file_stem().map_or_else(|| "cache".into(), |stem| stem.to_string_lossy().into_owned());
     let (first, last) = (samples.times[0], samples.times[samples.times.len() - 1]);
     let clips = [ClipKeys { name: name.clone(), span: [first, last], key_times: samples.times.clone() }];
-    let mut warnings = Vec::new();
     let all = ClipChoice { times: ClipTimes::Keys, ..ClipChoice::default() };
     let every = frames(&all, &clips, &mut warnings).map_err(unknown)?;
     let rest = match &selection.rest {

@@ -3,6 +3,8 @@ use std::{collections::HashMap, path::Path};
 use mimesh_core::{Error, Result, mesh::Mesh};
 use nalgebra::Point3;
 
+use crate::names::shown;
+
 const DAMAGED: &str = "the file is damaged or cut short: export it again";
 
 /// The bytes before the triangles of a binary file, and those of a triangle.
@@ -38,10 +40,13 @@ fn triangles(bytes: &[u8]) -> Option<u32> {
 
 /// Whether a file is text: binary headers may begin with `solid` too, but go on with bytes that no text has.
 fn is_text(bytes: &[u8]) -> bool {
-    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-    let starts = bytes.trim_ascii_start().get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid"));
     let exact = triangles(bytes).is_some_and(|n| bytes.len() as u64 == HEADER as u64 + TRIANGLE as u64 * u64::from(n));
-    starts && !exact && !bytes[..bytes.len().min(HEADER + TRIANGLE)].contains(&0)
+    begins_as_text(bytes) && !exact && !bytes[..bytes.len().min(HEADER + TRIANGLE)].contains(&0)
+}
+
+fn begins_as_text(bytes: &[u8]) -> bool {
+    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    bytes.trim_ascii_start().get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid"))
 }
 
 fn read_binary(path: &Path, bytes: &[u8], warnings: &mut Vec<String>) -> Result<Mesh> {
@@ -52,8 +57,18 @@ fn read_binary(path: &Path, bytes: &[u8], warnings: &mut Vec<String>) -> Result<
     let body = &bytes[HEADER..];
     let needed = count as usize * TRIANGLE;
     if body.len() < needed {
-        let message =
-            format!("not an STL: {count} triangles take {needed} bytes after the header, found {}", body.len());
+        let found = body.len();
+        let message = match bytes.iter().all(|b| matches!(b, b'\t' | b'\n' | b'\r' | b' '..=b'~')) {
+            true => "not an STL: text that does not begin with `solid`".into(),
+            false => format!(
+                "not an STL: {}the header counts {count} facets, which take {needed} bytes, and {found} bytes follow it",
+                if begins_as_text(bytes) {
+                    "it begins with `solid` and goes on with bytes that no text has; as binary "
+                } else {
+                    ""
+                }
+            ),
+        };
         return Err(Error::file(path, message, DAMAGED));
     }
     if body.len() > needed {
@@ -66,7 +81,13 @@ fn read_binary(path: &Path, bytes: &[u8], warnings: &mut Vec<String>) -> Result<
             let bytes = &triangle[12 + 4 * k..16 + 4 * k];
             f32::from_le_bytes(bytes.try_into().expect("the slice has four bytes"))
         };
-        let corners = [0, 1, 2].map(|corner| joined.vertex([0, 1, 2].map(|axis| number(3 * corner + axis))));
+        let corners = [0, 1, 2].map(|corner| [0, 1, 2].map(|axis| number(3 * corner + axis)));
+        if let Some(x) = corners.as_flattened().iter().find(|x| !x.is_finite()) {
+            let facet = joined.mesh.polygons.len();
+            let message = format!("facet {facet} (from 0) has the coordinate {x}: expected finite numbers");
+            return Err(Error::file(path, message, "repair the file or export it again without NaN and infinity"));
+        }
+        let corners = corners.map(|corner| joined.vertex(corner));
         joined.mesh.polygons.push(&corners);
     }
     Ok(joined.mesh)
@@ -76,6 +97,8 @@ fn read_text(path: &Path, bytes: &[u8]) -> Result<Mesh> {
     let text = String::from_utf8_lossy(bytes);
     let mut joined = Joined::default();
     let mut loop_of: Option<Vec<u32>> = None;
+    // In a facet, the number of triangles before it.
+    let mut facet: Option<usize> = None;
     let mut is_open = true;
     let mut line = 0;
     // Some old programs end lines in CR alone.
@@ -84,22 +107,44 @@ fn read_text(path: &Path, bytes: &[u8]) -> Result<Mesh> {
         let wrong = |message: String| Error::line(path, line, format!("not an STL: {message}"), DAMAGED);
         let mut words = content.split_ascii_whitespace().map(str::to_ascii_lowercase);
         while let Some(word) = words.next() {
+            let number = joined.mesh.polygons.len();
+            let open = facet.unwrap_or(number);
+            let not_closed = || wrong(format!("facet {open} (from 0) is not closed by `endloop` and `endfacet`"));
             // `end solid` is written for `endsolid`, and so on.
             let word = if word == "end" { word + &words.next().unwrap_or_default() } else { word };
             match word.as_str() {
                 // A name may hold any word.
                 "solid" | "endsolid" => {
+                    if loop_of.is_some() || facet.is_some() {
+                        return Err(not_closed());
+                    }
                     is_open = word == "solid";
                     break;
                 }
+                "facet" | "outer" if loop_of.is_some() => return Err(not_closed()),
+                "facet" if facet.is_some() => return Err(not_closed()),
+                "facet" => facet = Some(number),
                 "outer" => loop_of = Some(Vec::new()),
+                "endfacet" if loop_of.is_some() => return Err(not_closed()),
+                "endfacet" if facet.take() == Some(number) => {
+                    return Err(wrong(format!("facet {number} (from 0) has no loop of three vertices")));
+                }
                 "vertex" => {
                     let corners = loop_of.as_mut().ok_or_else(|| wrong("a `vertex` outside of a loop".into()))?;
-                    let mut position = [0.0; 3];
+                    let mut position = [0.0_f32; 3];
                     for coordinate in &mut position {
-                        let number = words.next().unwrap_or_default();
-                        *coordinate =
-                            number.parse().map_err(|_| wrong(format!("`{number}` is no coordinate of a vertex")))?;
+                        let text = words.next().unwrap_or_default();
+                        *coordinate = text.parse().map_err(|_| {
+                            wrong(format!("`{}` is no coordinate of a vertex of facet {number} (from 0)", shown(&text)))
+                        })?;
+                        if !coordinate.is_finite() {
+                            let message = format!(
+                                "facet {number} (from 0) has the coordinate `{}`: expected finite 32-bit numbers",
+                                shown(&text)
+                            );
+                            let hint = "repair the file or export it again without NaN and infinity";
+                            return Err(Error::line(path, line, message, hint));
+                        }
                     }
                     corners.push(joined.vertex(position));
                 }
@@ -113,6 +158,16 @@ fn read_text(path: &Path, bytes: &[u8]) -> Result<Mesh> {
                 _ => {}
             }
         }
+    }
+    if loop_of.is_some() || facet.is_some() {
+        let facet = facet.unwrap_or(joined.mesh.polygons.len());
+        let message = format!("not an STL: the file ends in facet {facet} (from 0)");
+        return Err(Error::line(path, line, message, DAMAGED));
+    }
+    if is_open && joined.mesh.polygons.is_empty() {
+        let message = "not an STL: it begins with `solid` as text does, and has no facet";
+        let hint = "the file is damaged, or a binary STL without its count of facets: export it again";
+        return Err(Error::file(path, message, hint));
     }
     if is_open {
         return Err(Error::line(path, line, "not an STL: the file ends without `endsolid`", DAMAGED));

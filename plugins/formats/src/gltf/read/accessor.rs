@@ -74,13 +74,20 @@ fn read<const N: usize>(
     let entry_size = N * component.size;
     let count = size(accessor.count);
     let mut values = match (asset.unpacked.get(&index.value()), accessor.buffer_view) {
-        (Some(bytes), _) => bytes.chunks_exact(entry_size).map(|entry| component.read(entry)).collect(),
+        (Some(bytes), _) => {
+            asset.take(bytes.len() / component.size)?;
+            bytes.chunks_exact(entry_size).map(|entry| component.read(entry)).collect()
+        }
         (None, Some(view)) => {
             let bytes = run(asset, view, accessor.byte_offset.map_or(0, size), count, entry_size, true)?;
+            asset.take(N * count)?;
             bytes.entries().map(|entry| component.read(entry)).collect()
         }
         (None, None) if count > MAX_ZEROS => return Err(format!("has {count} entries but no data")),
-        (None, None) => vec![[0.0; N]; count],
+        (None, None) => {
+            asset.take(N * count)?;
+            vec![[0.0; N]; count]
+        }
     };
     for (at, entry) in replaced(asset, accessor, &component, count)? {
         values[at] = entry;
@@ -119,9 +126,11 @@ fn replaced<const N: usize>(
         return Err("replaces entries by an unknown component type".into());
     };
     let index = Component::new(kind.0, false);
-    let (at, with, entries) = (&sparse.indices, &sparse.values, size(sparse.count));
+    let entries = size(sparse.count);
+    let (at, with) = (&sparse.indices, &sparse.values);
     let indices = run(asset, at.buffer_view, size(at.byte_offset), entries, index.size, false)?;
     let values = run(asset, with.buffer_view, size(with.byte_offset), entries, N * component.size, false)?;
+    asset.take((N + 1) * entries)?;
     let mut replaced = BTreeMap::new();
     for (at, entry) in indices.entries().zip(values.entries()) {
         let [at] = index.read::<1>(at);

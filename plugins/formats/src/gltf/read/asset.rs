@@ -1,6 +1,6 @@
 //! A glTF with all its bytes.
 
-use std::collections::BTreeMap;
+use std::{cell::Cell, collections::BTreeMap};
 
 use gltf::json::{Index, Root, validation::USize64};
 use serde_json::Value;
@@ -20,10 +20,20 @@ pub struct Asset {
     pub unpacked: BTreeMap<usize, Vec<u8>>,
     /// Sentences about what was left out.
     pub warnings: Vec<String>,
+    /// The bytes of all data: of buffers, and of what was compressed in them.
+    pub bytes: usize,
+    /// The numbers that were read, vertices and corners included.
+    pub taken: Cell<usize>,
 }
 
 /// Files that are small in their compressed form may still grow to this many bytes.
-const SMALL: usize = 1 << 28;
+const SMALL: usize = 1 << 26;
+
+/// From small files, too, so many numbers may be read.
+const FEW_NUMBERS: usize = 1 << 23;
+
+/// For each byte of data so many numbers may be read; a file in which nothing is used twice has less than one.
+const NUMBERS_A_BYTE: usize = 8;
 
 /// What is compressed grows by less than this in files that hold anything: constant attributes by 16 to 60.
 const MAX_GROWTH: usize = 64;
@@ -33,6 +43,30 @@ impl Asset {
     pub fn room(&self) -> usize {
         let bytes: usize = self.buffers.iter().map(Vec::len).sum();
         bytes.saturating_mul(MAX_GROWTH).max(SMALL)
+    }
+
+    /// Counts [`bytes`](Self::bytes).
+    pub fn count_bytes(&mut self) {
+        let compressed = self.decompressed.values().chain(self.unpacked.values());
+        self.bytes = self.buffers.iter().chain(compressed).map(Vec::len).sum();
+    }
+
+    /// Counts `numbers` that are about to be read or made.
+    ///
+    /// # Errors
+    ///
+    /// If a file reads its data so often, as meshes under very many nodes, that memory would not grow with the file but with its square.
+    pub fn take(&self, numbers: usize) -> Result<(), String> {
+        let bytes = self.bytes;
+        let most = bytes.saturating_mul(NUMBERS_A_BYTE).max(FEW_NUMBERS);
+        let taken = self.taken.get().saturating_add(numbers);
+        if taken > most {
+            return Err(format!(
+                "is used so often that more than {most} numbers come of the {bytes} bytes of data: choose some meshes with `meshes`, or export fewer copies"
+            ));
+        }
+        self.taken.set(taken);
+        Ok(())
     }
 }
 

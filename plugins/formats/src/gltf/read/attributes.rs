@@ -1,6 +1,6 @@
 //! Texture coordinates and normals of corners.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use gltf::json::{Accessor, Index};
 use mimesh_core::mesh::CornerAttribute;
@@ -104,7 +104,11 @@ impl Normals {
 
 /// Colours of vertices, collected over all primitives.
 #[derive(Debug, Default)]
-pub struct Colors(Vec<[f64; 4]>);
+pub struct Colors {
+    values: Vec<[f64; 4]>,
+    /// What was read already: the accessor of primitives that share their vertices.
+    read: HashSet<(usize, usize)>,
+}
 
 impl Colors {
     /// Reads those of `accessor` for `count` vertices from `first` on, as sRGB and opacity; other vertices are white.
@@ -118,19 +122,22 @@ impl Colors {
         accessor: Index<Accessor>,
         (first, count): (usize, usize),
     ) -> Result<(), String> {
+        if !self.read.insert((accessor.value(), first)) {
+            return Ok(());
+        }
         let opaque = |values: Vec<[f64; 3]>| values.into_iter().map(|[r, g, b]| [r, g, b, 1.0]).collect();
         let values = numbers::<4>(asset, accessor).or_else(|_| numbers::<3>(asset, accessor).map(opaque))?;
         check_count("colours", values.len(), count)?;
-        self.0.resize(self.0.len().max(first + count), [1.0; 4]);
+        self.values.resize(self.values.len().max(first + count), [1.0; 4]);
         let values =
             values.into_iter().map(|[r, g, b, opacity]| finite([srgb(r), srgb(g), srgb(b), opacity.clamp(0.0, 1.0)]));
-        self.0.splice(first..first + count, values);
+        self.values.splice(first..first + count, values);
         Ok(())
     }
 
     /// The colours up to the last vertex that has one, if any has.
     pub fn finish(self) -> Option<Vec<[f64; 4]>> {
-        (!self.0.is_empty()).then_some(self.0)
+        (!self.values.is_empty()).then_some(self.values)
     }
 }
 

@@ -68,12 +68,15 @@ pub struct Builder<'a> {
     /// Poses that morph targets make.
     pub shapes: Shapes,
     skins: HashMap<usize, Arc<Skin>>,
+    /// The displacements of accessors, which targets may share.
+    moves: HashMap<usize, Arc<Moves>>,
 }
 
 impl<'a> Builder<'a> {
     /// Nothing yet.
     pub fn new(asset: &'a Asset) -> Self {
-        Self { asset, runs: Vec::new(), pieces: Vec::new(), shapes: Shapes::default(), skins: HashMap::new() }
+        let (runs, pieces, shapes, skins, moves) = Default::default();
+        Self { asset, runs, pieces, shapes, skins, moves }
     }
 
     /// Adds the mesh of a node.
@@ -118,6 +121,8 @@ impl<'a> Builder<'a> {
         if let Some(corner) = corners.iter().find(|&&corner| corner as usize >= count) {
             return Err(format!("vertex index {corner} is out of range: there are {count} vertices (from 0)"));
         }
+        // Strips have about as many triangles as corners.
+        self.asset.take(3 * corners.len())?;
         let triangles = triangles(&primitive.mode, &corners)?;
         if let Some(material) = primitive.material {
             get(&self.asset.root.materials, material.value(), "material")?;
@@ -157,14 +162,23 @@ impl<'a> Builder<'a> {
         check_finite("positions", stored.iter().map(|position| position.coords.into()))?;
         let run = self.runs.len();
         let mut targets = Vec::new();
+        let still = Arc::new(Moves::default());
         for (number, target) in primitive.targets.iter().flatten().enumerate() {
-            let mut moves = Moves::default();
+            let mut moves = still.clone();
             if let Some(accessor) = target.positions {
                 let entries = count(asset, accessor)?;
                 if entries != stored.len() {
                     return Err(format!("morph target {number} has {entries} vertices, the mesh {}", stored.len()));
                 }
-                moves = Moves::read(asset, accessor).map_err(|message| format!("morph target {number}: {message}"))?;
+                let known = self.moves.get(&accessor.value()).cloned();
+                moves = match known {
+                    Some(known) => known,
+                    None => {
+                        let read = Moves::read(asset, accessor);
+                        Arc::new(read.map_err(|message| format!("morph target {number}: {message}"))?)
+                    }
+                };
+                self.moves.insert(accessor.value(), moves.clone());
                 self.shapes.add(&names[number], run, number);
             }
             targets.push(moves);

@@ -1,6 +1,6 @@
 //! Clips: the animations of a file, as changes of the nodes and of the weights of morph targets.
 
-use std::collections::HashSet;
+use std::{collections::HashSet, sync::Arc};
 
 use gltf::json::{
     self,
@@ -15,7 +15,10 @@ use super::{
     nodes::Local,
     sampler::Sampler,
 };
-use crate::names::all_distinct;
+use crate::names::{all_distinct, shown};
+
+/// The weights of the morph targets of a node, which others may share.
+pub type Weights = Arc<[f64]>;
 
 /// An animation that can be looked at at any time.
 #[derive(Debug)]
@@ -54,7 +57,12 @@ pub fn read(asset: &mut Asset) -> Vec<Clip> {
             let count = problems.len();
             warnings.push(format!("{count} channels of the clip `{name}` were left out, the first since {problem}"));
         }
-        clips.push(Clip { name, channels });
+        let clip = Clip { name, channels };
+        let [first, last] = clip.span();
+        if first == last && clip.channels.iter().any(|channel| channel.sampler.times.len() > 1) {
+            warnings.push(format!("the clip `{}` has no length: all its keys are at {first} s", shown(&clip.name)));
+        }
+        clips.push(clip);
     }
     asset.warnings.extend(warnings);
     clips
@@ -93,11 +101,11 @@ fn read_channel(asset: &Asset, animation: &json::Animation, channel: &JsonChanne
 
 impl Clip {
     /// Moves what the clip moves to where it is at `seconds`; all else stays.
-    pub fn apply(&self, seconds: f64, locals: &mut [Local], weights: &mut [Vec<f64>]) {
+    pub fn apply(&self, seconds: f64, locals: &mut [Local], weights: &mut [Weights]) {
         for channel in &self.channels {
             let value = channel.sampler.at(seconds);
             if channel.property == Property::MorphTargetWeights {
-                weights[channel.node] = value;
+                weights[channel.node] = value.into();
                 continue;
             }
             let mut local = locals[channel.node].in_parts();

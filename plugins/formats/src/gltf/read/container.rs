@@ -9,6 +9,8 @@ pub struct Chunks<'b> {
     pub binary: Option<Binary<'b>>,
     /// The number of chunks of other kinds.
     pub others: usize,
+    /// Sentences about chunks that stand or count otherwise than they should.
+    pub warnings: Vec<String>,
 }
 
 /// A chunk of bytes.
@@ -25,14 +27,14 @@ pub const MAX_PADDING: usize = 3;
 
 /// The chunks of a GLB, or the JSON of a glTF as text, told apart by their first bytes.
 ///
-/// The header's length is not relied on: some writers leave it as it was before they changed the chunks.
+/// The header's length is not relied on: some writers leave it as it was before they changed the chunks, which is told.
 ///
 /// # Errors
 ///
 /// Names the byte at which the file ends, or what it lacks.
 pub fn chunks(bytes: &[u8]) -> Result<Chunks<'_>, String> {
     if !bytes.starts_with(b"glTF") {
-        return Ok(Chunks { json: bytes, binary: None, others: 0 });
+        return Ok(Chunks { json: bytes, binary: None, others: 0, warnings: Vec::new() });
     }
     let number = |at: usize| -> Result<usize, String> {
         let field = bytes.get(at..at + 4).ok_or_else(|| format!("GLB ends at byte {}", bytes.len()))?;
@@ -44,7 +46,12 @@ pub fn chunks(bytes: &[u8]) -> Result<Chunks<'_>, String> {
     }
     let length = number(8)?;
     let mut at = 12;
-    let (mut json, mut binary, mut others) = (None, None, 0);
+    let (mut json, mut binary, mut others, mut warnings) = (None, None, 0, Vec::new());
+    let found = bytes.len();
+    // A length that counts padding that is not there is usual.
+    if found < length.saturating_sub(MAX_PADDING) || found > length + MAX_PADDING {
+        warnings.push(format!("the header of the GLB says {length} bytes, the file has {found}"));
+    }
     while at + 8 <= bytes.len() {
         let (size, kind) = (number(at)?, &bytes[at + 4..at + 8]);
         let rest = &bytes[at + 8..];
@@ -60,7 +67,12 @@ pub fn chunks(bytes: &[u8]) -> Result<Chunks<'_>, String> {
         let chunk = &rest[..size.min(rest.len())];
         match kind {
             b"JSON" if json.is_none() => json = Some(chunk),
-            _ if is_binary && binary.is_none() => binary = Some(Binary { bytes: chunk, is_cut }),
+            _ if is_binary && binary.is_none() => {
+                if json.is_none() {
+                    warnings.push("the chunks of the GLB are out of order: BIN before JSON".into());
+                }
+                binary = Some(Binary { bytes: chunk, is_cut });
+            }
             _ => others += 1,
         }
         at += 8 + size;
@@ -76,7 +88,7 @@ pub fn chunks(bytes: &[u8]) -> Result<Chunks<'_>, String> {
             "GLB without a JSON chunk".into()
         }
     })?;
-    Ok(Chunks { json, binary, others })
+    Ok(Chunks { json, binary, others, warnings })
 }
 
 #[cfg(test)]

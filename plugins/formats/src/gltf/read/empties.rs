@@ -39,13 +39,27 @@ pub fn points(input: &dyn FileInput) -> Result<Vec<ScenePoint>> {
         !json["mesh"].is_null() || !json["camera"].is_null() || is_light || joints.contains(&node)
     };
     // Groups of what is used are found from below.
-    let used: HashSet<usize> =
-        shown.iter().filter(|&&node| is_used(node)).flat_map(|&node| nodes.with_ancestors(node)).collect();
+    let mut used = HashSet::new();
+    for &node in shown.iter().filter(|&&node| is_used(node)) {
+        // Above a node that was seen before all are known.
+        for above in nodes.with_ancestors(node) {
+            if !used.insert(above) {
+                break;
+            }
+        }
+    }
+    // Parents come before children.
+    let mut below_joints = joints.clone();
+    for &node in &shown {
+        if nodes.parents[node].is_some_and(|parent| below_joints.contains(&parent)) {
+            below_joints.insert(node);
+        }
+    }
     let point = |&node: &usize| {
         let name = asset.root.nodes[node].name.clone().filter(|name| !name.is_empty() && !used.contains(&node))?;
         let position = Point3::from(worlds[node].fixed_view::<3, 1>(0, 3).into_owned());
         let has_children = asset.root.nodes[node].children.as_ref().is_some_and(|children| !children.is_empty());
-        let below_joint = nodes.with_ancestors(node).any(|above| joints.contains(&above));
+        let below_joint = below_joints.contains(&node);
         Some(ScenePoint { name, position, is_doubtful: has_children || below_joint })
     };
     Ok(shown.iter().filter_map(point).collect())

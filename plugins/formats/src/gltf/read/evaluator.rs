@@ -2,12 +2,15 @@
 
 use std::{collections::HashSet, ops::Range, sync::Arc};
 
-use mimesh_core::{Result, mesh::ComputePoses};
+use mimesh_core::{
+    Result,
+    mesh::{ComputePoses, check_finite},
+};
 use nalgebra::{Matrix3x4, Matrix4, Point3, Vector3};
 
 use super::{
     asset::Asset,
-    clips::Clip,
+    clips::{Clip, Weights},
     morphs::Moves,
     nodes::{Local, MAX_NUMBER, Nodes, name},
     skin::{Influences, Skin},
@@ -26,7 +29,7 @@ pub struct Run {
     /// Their positions as the file stores them.
     pub stored: Vec<Point3<f64>>,
     /// The morph targets, by number.
-    pub targets: Vec<Moves>,
+    pub targets: Vec<Arc<Moves>>,
     /// The joints that move them in place of the node.
     pub skin: Option<(Arc<Skin>, Influences)>,
 }
@@ -58,7 +61,7 @@ pub struct Evaluator {
     /// The nodes.
     pub nodes: Nodes,
     /// The weights of morph targets that the file stores, for each node.
-    pub weights: Vec<Vec<f64>>,
+    pub weights: Vec<Weights>,
     /// The clips.
     pub clips: Vec<Clip>,
     /// The vertices, in order.
@@ -80,7 +83,7 @@ impl Evaluator {
             positions.extend_from_slice(&run.stored);
             let positions = &mut positions[first..];
             for (target, weight) in self.targets(index, shape, &weights) {
-                let Moves { vertices, displacements } = &run.targets[target];
+                let Moves { vertices, displacements } = &*run.targets[target];
                 for (&vertex, &displacement) in vertices.iter().zip(displacements) {
                     positions[vertex as usize] += Vector3::from(displacement) * weight;
                 }
@@ -136,7 +139,7 @@ impl Evaluator {
     }
 
     /// The transforms of the nodes in a shape, and the weights of morph targets if the clip gives them.
-    fn state(&self, shape: &Shape) -> (Vec<Matrix4<f64>>, Vec<Vec<f64>>) {
+    fn state(&self, shape: &Shape) -> (Vec<Matrix4<f64>>, Vec<Weights>) {
         let mut locals: Vec<Local> = self.nodes.locals.clone();
         let mut weights = self.weights.clone();
         if let Some((clip, seconds)) = shape.clip {
@@ -186,7 +189,7 @@ impl Evaluator {
         &'a self,
         run: usize,
         shape: &'a Shape,
-        weights: &'a [Vec<f64>],
+        weights: &'a [Weights],
     ) -> Box<dyn Iterator<Item = (usize, f64)> + 'a> {
         let Run { node, targets, .. } = &self.runs[run];
         match &shape.morphs {
@@ -205,7 +208,10 @@ impl Evaluator {
 
 impl ComputePoses for Evaluator {
     fn positions(&self, index: usize) -> Result<Vec<Point3<f64>>> {
-        Ok(self.shape(&self.poses[index]))
+        let positions = self.shape(&self.poses[index]);
+        // Of very many poses not all were looked at before.
+        check_finite(&positions)?;
+        Ok(positions)
     }
 }
 

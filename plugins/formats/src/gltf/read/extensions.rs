@@ -46,7 +46,7 @@ pub fn check(asset: &Asset, is_needed: &dyn Fn(usize, usize) -> bool) -> Result<
 
 /// A sentence about the nodes whose extensions are not followed; `None` if there are none.
 pub fn unread_of_nodes(asset: &Asset) -> Option<String> {
-    let required = &asset.root.extensions_required;
+    let required: BTreeSet<&String> = asset.root.extensions_required.iter().collect();
     let mut names = BTreeSet::new();
     for extensions in asset.root.nodes.iter().filter_map(|node| node.extensions.as_ref()) {
         let is_unread =

@@ -1,6 +1,6 @@
 //! `EXT_meshopt_compression` and `KHR_meshopt_compression`: buffer views that are compressed.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 
 use gltf::json::{Root, buffer::View};
 use meshopt::{
@@ -35,10 +35,14 @@ pub fn decompress(asset: &Asset) -> Result<BTreeMap<usize, Vec<u8>>, String> {
     Ok(decompressed)
 }
 
-/// Whether buffer `index` has no data because all its views are compressed in another one.
-pub fn is_fallback(root: &Root, index: usize) -> bool {
-    let mut views = root.buffer_views.iter().filter(|view| view.buffer.value() == index).peekable();
-    views.peek().is_some() && views.all(|view| compression(view).is_some())
+/// The buffers that have no data because all their views are compressed in another one.
+pub fn fallbacks(root: &Root) -> HashSet<usize> {
+    let of_views = |compressed: bool| {
+        let views = root.buffer_views.iter().filter(move |view| compression(view).is_some() == compressed);
+        views.map(|view| view.buffer.value()).collect::<HashSet<usize>>()
+    };
+    let plain = of_views(false);
+    of_views(true).into_iter().filter(|buffer| !plain.contains(buffer)).collect()
 }
 
 fn compression(view: &View) -> Option<(&'static str, &Map<String, Value>)> {

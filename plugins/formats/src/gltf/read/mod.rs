@@ -1,11 +1,11 @@
 //! glTF in: from bytes to a mesh with its poses.
 //!
-//! - [`container`], [`uri`], [`tolerant`], [`extensions`], [`asset`] and [`open`]: the JSON, made readable for `gltf-json`, and the bytes;
+//! - [`container`], [`uri`], [`tree`], [`tolerant`], [`extensions`], [`asset`] and [`open`]: the JSON, made readable for `gltf-json`, and the bytes;
 //! - [`meshopt`], [`draco`], [`views`] and [`accessor`]: numbers out of bytes;
 //! - [`nodes`], [`scene`], [`skin`], [`morphs`], [`sampler`] and [`clips`]: what places and moves vertices;
 //! - [`evaluator`] and [`poses`]: positions in any state of that;
 //! - [`primitive`], [`attributes`], [`materials`], [`builder`] and [`reader`]: the mesh;
-//! - [`empties`]: nodes that stand for points.
+//! - [`empties`]: nodes that stand for points; [`untidy`]: warnings of what is read though it is not as it should be.
 
 mod accessor;
 mod asset;
@@ -29,6 +29,8 @@ mod sampler;
 mod scene;
 mod skin;
 mod tolerant;
+mod tree;
+mod untidy;
 mod uri;
 mod views;
 

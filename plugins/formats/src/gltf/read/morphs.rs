@@ -66,22 +66,24 @@ pub fn names(asset: &Asset, mesh_index: usize, mesh: &Mesh) -> Vec<Name> {
     let lists = std::iter::once(json).chain(primitives).filter_map(|object| object["extras"]["targetNames"].as_array());
     let lists: Vec<&Vec<Value>> = lists.collect();
     let count = mesh.primitives.iter().map(|primitive| primitive.targets.iter().flatten().count()).max().unwrap_or(0);
-    let given = |target: usize| {
-        let of_lists = lists.iter().find_map(|list| list.get(target)?.as_str().filter(|name| !name.is_empty()));
-        of_lists.or_else(|| accessor_name(asset, mesh, target)).map(str::to_owned)
-    };
-    let given: Vec<Option<String>> = (0..count).map(given).collect();
+    let mut given: Vec<Option<String>> = vec![None; count];
+    // Primitive by primitive, since each has few of the targets that another one may have.
+    for list in lists {
+        for (name, listed) in given.iter_mut().zip(list).filter(|(name, _)| name.is_none()) {
+            *name = listed.as_str().filter(|name| !name.is_empty()).map(str::to_owned);
+        }
+    }
+    for targets in mesh.primitives.iter().filter_map(|primitive| primitive.targets.as_ref()) {
+        for (name, target) in given.iter_mut().zip(targets).filter(|(name, _)| name.is_none()) {
+            let accessor = target.positions.and_then(|index| asset.root.accessors.get(index.value()));
+            *name = accessor.and_then(|accessor| accessor.name.clone()).filter(|name| !name.is_empty());
+        }
+    }
     let name = |(target, name): (usize, Option<String>)| match name {
         Some(name) => Name::Given(name),
         None => Name::Numbered { mesh: mesh_index, target },
     };
     distinct(given).into_iter().enumerate().map(name).collect()
-}
-
-fn accessor_name<'a>(asset: &'a Asset, mesh: &Mesh, target: usize) -> Option<&'a str> {
-    let accessors = mesh.primitives.iter().filter_map(|primitive| primitive.targets.as_ref()?.get(target)?.positions);
-    let names = accessors.filter_map(|index| asset.root.accessors.get(index.value())?.name.as_deref());
-    names.into_iter().find(|name| !name.is_empty())
 }
 
 /// A pose that consists of morph targets at weight 1.
@@ -121,11 +123,12 @@ pub fn unique_names(shapes: &[Shape], placed: &[Placed]) -> Vec<String> {
     };
     let first = shapes.iter().find_map(mesh_of);
     let has_several = shapes.iter().filter_map(mesh_of).any(|mesh| Some(mesh) != first);
+    let of_meshes: HashMap<usize, &str> = placed.iter().rev().map(|placed| (placed.mesh, &*placed.name)).collect();
     let name = |shape: &Shape| match &shape.name {
         Name::Given(given) => given.clone(),
         Name::Numbered { target, .. } if !has_several => format!("target-{target}"),
         Name::Numbered { mesh, target } => {
-            let of_mesh = placed.iter().find(|placed| placed.mesh == *mesh).map_or("mesh", |placed| &placed.name);
+            let of_mesh = of_meshes.get(mesh).copied().unwrap_or("mesh");
             format!("{of_mesh}-target-{target}")
         }
     };

@@ -4,6 +4,7 @@ use nalgebra::{Matrix3, Matrix4, Quaternion, Rotation3, Translation3, UnitQuater
 use serde_json::Value;
 
 use super::asset::{Asset, get};
+use crate::names::shown;
 
 /// Transforms and weights are below this: far beyond f32, and so that the product of a few is finite.
 pub const MAX_NUMBER: f64 = 1e60;
@@ -143,14 +144,15 @@ fn local(asset: &Asset, node: usize) -> Result<Local, String> {
 
 /// The `N` numbers of a property; `None` if it is missing or null.
 fn floats<const N: usize>(json: &Value, key: &str) -> Result<Option<[f64; N]>, String> {
+    let wrong = |found: &Value| format!("`{key}` is {}: expected {N} finite numbers", shown(&found.to_string()));
     match &json[key] {
         Value::Null => Ok(None),
         Value::Array(values) => {
             let numbers: Option<Vec<f64>> = values.iter().map(Value::as_f64).collect();
             let numbers = numbers.and_then(|numbers| numbers.try_into().ok());
-            numbers.map(Some).ok_or_else(|| format!("`{key}` is {}: expected {N} finite numbers", json[key]))
+            numbers.map(Some).ok_or_else(|| wrong(&json[key]))
         }
-        other => Err(format!("`{key}` is {other}: expected {N} finite numbers")),
+        other => Err(wrong(other)),
     }
 }
 

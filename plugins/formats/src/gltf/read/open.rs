@@ -1,14 +1,23 @@
 //! Opening a glTF: its JSON, its buffers, and what is compressed in them.
 
+use std::collections::HashSet;
+
 use gltf::json::Root;
 use mimesh_core::{Error, Result, stage::FileInput};
+use serde_json::Value;
 
 use super::{
     asset::{Asset, DAMAGED},
     container::{Binary, MAX_PADDING, chunks},
     draco, extensions, meshopt, tolerant, uri,
 };
-use crate::names::quoted;
+use crate::names::{quoted, shown};
+
+/// Files with more buffers than this have no more bytes in them than [`MAX_REFERRED`].
+const MAX_BUFFERS: usize = 256;
+
+/// See [`MAX_BUFFERS`].
+const MAX_REFERRED: usize = 1 << 28;
 
 impl Asset {
     /// Reads a `.glb` or `.gltf`, told apart by their first bytes, and the buffers it refers to.
@@ -21,35 +30,45 @@ impl Asset {
         let damaged = |message: String| Error::file(path, message, DAMAGED);
         let bytes = input.contents()?;
         let chunks = chunks(&bytes).map_err(damaged)?;
-        let json = tolerant::parse(chunks.json);
-        let json = json.map_err(|problem| damaged(format!("not the JSON of a glTF: {problem}")))?;
+        let (json, doubles) =
+            tolerant::parse(chunks.json).map_err(|problem| damaged(format!("not the JSON of a glTF: {problem}")))?;
         let tolerant::Reduced { json: reduced, pointing } = tolerant::reduce(&json);
-        let version = reduced["asset"]["version"].as_str().unwrap_or_default();
-        if !version.starts_with('2') {
-            let message = format!("glTF version `{version}`: expected 2.0");
-            return Err(Error::file(path, message, "convert the file to glTF 2.0, for example through Blender"));
-        }
+        check_version(&json, reduced["asset"]["version"].as_str().unwrap_or_default())
+            .map_err(|(message, hint)| Error::file(path, message, hint))?;
         let root: Root = serde_path_to_error::deserialize(reduced)
             .map_err(|problem| damaged(format!("not the JSON of a glTF: {}: {}", problem.path(), problem.inner())))?;
-        let mut asset = Self { root, json, ..Self::default() };
+        let mut asset = Self { root, json, warnings: chunks.warnings, ..Self::default() };
+        if !doubles.is_empty() {
+            let names = quoted(&doubles);
+            asset.warnings.push(format!("keys stand twice in one object of the JSON, and the last counts: {names}"));
+        }
         asset.warn_of_pointers(&pointing);
         if chunks.others > 0 {
             asset
                 .warnings
                 .push(format!("chunks of the GLB that are neither JSON nor BIN are left out: {}", chunks.others));
         }
+        let fallbacks = meshopt::fallbacks(&asset.root);
+        let mut referred: usize = 0;
         for index in 0..asset.root.buffers.len() {
-            let bytes = asset.load(input, index, chunks.binary)?;
+            let bytes = asset.load(input, index, chunks.binary, &fallbacks)?;
+            // Buffers may name one file again and again.
+            referred = referred.saturating_add(bytes.len());
+            if index >= MAX_BUFFERS && referred > MAX_REFERRED {
+                let message = format!("{} buffers of more than {MAX_REFERRED} bytes in all", asset.root.buffers.len());
+                return Err(Error::file(path, message, "export the file with one buffer, e.g. as .glb"));
+            }
             asset.buffers.push(bytes);
         }
         asset.decompressed = meshopt::decompress(&asset).map_err(damaged)?;
+        asset.count_bytes();
         Ok(asset)
     }
 
     /// The buffers in files of their own; none if the glTF cannot be read.
     pub fn references(input: &dyn FileInput) -> Vec<String> {
         let Ok(bytes) = input.contents() else { return Vec::new() };
-        let json = chunks(&bytes).and_then(|chunks| tolerant::parse(chunks.json)).unwrap_or_default();
+        let json = chunks(&bytes).and_then(|chunks| tolerant::parse(chunks.json)).unwrap_or_default().0;
         let buffers = json["buffers"].as_array();
         let uris = buffers.into_iter().flatten().filter_map(|buffer| buffer["uri"].as_str());
         uris.filter(|uri| uri::is_file(uri)).map(|uri| uri::decoded(uri).into_owned()).collect()
@@ -81,11 +100,18 @@ impl Asset {
     pub fn unpack(&mut self, input: &dyn FileInput, is_needed: &dyn Fn(usize, usize) -> bool) -> Result<()> {
         self.unpacked = draco::unpack(self, is_needed)
             .map_err(|message| Error::file(input.path(), message, extensions::UNCOMPRESS))?;
+        self.count_bytes();
         extensions::check(self, is_needed).map_err(|(message, hint)| Error::file(input.path(), message, hint))
     }
 
     /// The bytes of buffer `index`.
-    fn load(&self, input: &dyn FileInput, index: usize, binary: Option<Binary>) -> Result<Vec<u8>> {
+    fn load(
+        &self,
+        input: &dyn FileInput,
+        index: usize,
+        binary: Option<Binary>,
+        fallbacks: &HashSet<usize>,
+    ) -> Result<Vec<u8>> {
         let path = input.path();
         let buffer = &self.root.buffers[index];
         let fail = |message: String| Error::file(path, format!("buffer {index} {message}"), DAMAGED);
@@ -97,7 +123,7 @@ impl Asset {
                 is_cut = cut;
                 bytes.to_vec()
             }
-            None if length == 0 || meshopt::is_fallback(&self.root, index) => return Ok(Vec::new()),
+            None if length == 0 || fallbacks.contains(&index) => return Ok(Vec::new()),
             None => return Err(fail("has no data".into())),
             Some(uri) if uri.is_empty() => return Err(fail("has an empty URI".into())),
             Some(uri) if uri.contains("://") && !uri.starts_with("data:") => {
@@ -131,6 +157,34 @@ impl Asset {
         let name = |&index: &usize| self.root.animations[index].name.clone().unwrap_or_else(|| index.to_string());
         let names: Vec<_> = pointing.iter().map(name).collect();
         self.warnings.push(format!("animation channels that move no node were left out: {}", quoted(&names)));
+    }
+}
+
+/// Checks that a file is a glTF 2.x that readers of 2.0 may read; `version` is what its JSON says.
+///
+/// # Errors
+///
+/// A message and a way out.
+fn check_version(json: &Value, version: &str) -> Result<(), (String, &'static str)> {
+    const CONVERT: &str = "convert the file to glTF 2.0, for example through Blender";
+    if version.is_empty() {
+        let keys: Vec<&String> = json.as_object().into_iter().flat_map(|object| object.keys()).collect();
+        let found = if keys.is_empty() { "no keys".into() } else { format!("the keys {}", quoted(&keys)) };
+        let message = format!("not a glTF: expected JSON with `\"asset\": {{ \"version\": \"2.0\" }}`, found {found}");
+        return Err((message, "is it the file that is meant? markers as JSON are given as markers, not as a mesh"));
+    }
+    if version != "2" && !version.starts_with("2.") {
+        return Err((format!("glTF version `{}`: expected 2.0", shown(version)), CONVERT));
+    }
+    let least = match &json["asset"]["minVersion"] {
+        Value::String(least) => least.clone(),
+        Value::Null => return Ok(()),
+        other => other.to_string(),
+    };
+    let number: Vec<Option<u32>> = least.split('.').map(|part| part.parse().ok()).collect();
+    match number[..] {
+        [Some(major), Some(minor)] if (major, minor) <= (2, 0) => Ok(()),
+        _ => Err((format!("the file needs glTF version `{}` (`minVersion`): 2.0 is read", shown(&least)), CONVERT)),
     }
 }
 
@@ -168,6 +222,27 @@ mod tests {
         let error = Asset::read(&BytesInput::new("m.gltf", json)).unwrap_err().to_string();
         let expected = "m.gltf: not the JSON of a glTF: meshes[0].primitives[0].indices: ";
         assert!(error.starts_with(expected), "{error}");
+    }
+
+    #[test]
+    fn what_is_no_gltf_2_says_what_it_is() {
+        let error = |json: &str| Asset::read(&BytesInput::new("m.gltf", json)).unwrap_err().to_string();
+        let expected = "m.gltf: not a glTF: expected JSON with `\"asset\": { \"version\": \"2.0\" }`, found the keys `nose`, `ear`";
+        assert_eq!(error(r#"{ "nose": 1, "ear": 2 }"#), expected);
+        assert_eq!(error(r#"{ "asset": { "version": "1.0" } }"#), "m.gltf: glTF version `1.0`: expected 2.0");
+        assert_eq!(error(r#"{ "asset": { "version": "20" } }"#), "m.gltf: glTF version `20`: expected 2.0");
+        let newer = r#"{ "asset": { "version": "2.1", "minVersion": "2.1" } }"#;
+        assert_eq!(error(newer), "m.gltf: the file needs glTF version `2.1` (`minVersion`): 2.0 is read");
+        let older = r#"{ "asset": { "version": "2.1", "minVersion": "2.0" } }"#;
+        assert!(Asset::read(&BytesInput::new("m.gltf", older)).is_ok());
+    }
+
+    #[test]
+    fn keys_that_stand_twice_are_told() {
+        let json = r#"{ "asset": { "version": "2.0" }, "nodes": [{ "name": "a", "name": "b" }], "nodes": [] }"#;
+        let asset = Asset::read(&BytesInput::new("m.gltf", json)).unwrap();
+        let told = "keys stand twice in one object of the JSON, and the last counts: `name`, `nodes`";
+        assert_eq!(asset.warnings, [told]);
     }
 
     #[test]

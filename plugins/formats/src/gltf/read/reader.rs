@@ -5,16 +5,18 @@ use mimesh_core::{
     mesh::{Document, MeshSequence, Pose, Positions},
     stage::{FileInput, Selection},
 };
+use serde_json::Value;
 
 use super::{
     asset::{Asset, DAMAGED},
     builder::{Builder, Piece, assemble},
-    clips,
+    clips::{self, Weights},
     evaluator::{Evaluator, Run},
     extensions, morphs,
     nodes::Nodes,
     poses::{self, NamedShape},
     scene::{self, Placed},
+    untidy,
 };
 use crate::{
     gltf::document::{GltfDocument, Placement, RestingNode, Transforms},
@@ -23,6 +25,9 @@ use crate::{
 
 /// The way out where a file has no part of a name.
 const CHOOSE: &str = "name parts that the file has, by their nodes, meshes or materials";
+
+/// The nodes that are placed for checks of poses; a few seconds.
+const MAX_CHECKED: usize = 1 << 24;
 
 /// The way out where a file has no shape of a name.
 const CHOOSE_SHAPE: &str = "`mimesh inspect` lists the morph targets and clips of a file";
@@ -57,6 +62,8 @@ pub fn read(input: &dyn FileInput, selection: &Selection) -> Result<MeshSequence
         shapes.into_iter().zip(names).map(|(shape, name)| NamedShape { name, targets: shape.targets }).collect();
     let weights = stored_weights(&asset);
     warn(&mut asset, &placed, &weights, &thin);
+    let untidy = untidy::warnings(&asset, &nodes, &placed, &runs);
+    asset.warnings.extend(untidy);
     let clips = clips::read(&mut asset);
     let animations = clips::list(&asset, &clips);
 
@@ -65,7 +72,9 @@ pub fn read(input: &dyn FileInput, selection: &Selection) -> Result<MeshSequence
     let mut evaluator = Evaluator { nodes, weights, clips, runs, poses: Vec::new() };
     let chosen = poses::choose(&selection.poses, &rest, &shapes, &evaluator, &mut warnings).map_err(unknown)?;
     let of_clips = chosen.iter().map(|pose| &pose.shape).filter(|shape| shape.clip.is_some());
-    for shape in of_clips.chain([&rest]) {
+    // Of more poses than can be looked at here, the others are checked when they are asked for.
+    let most = MAX_CHECKED / evaluator.nodes.locals.len().max(1);
+    for shape in [&rest].into_iter().chain(of_clips.take(most.max(1))) {
         evaluator.check(&asset, shape).map_err(damaged)?;
     }
     evaluator.poses = chosen.iter().map(|pose| pose.shape.clone()).collect();
@@ -97,17 +106,23 @@ pub fn read(input: &dyn FileInput, selection: &Selection) -> Result<MeshSequence
 }
 
 /// The weights of morph targets that the file stores for each node: its own, else those of its mesh.
-fn stored_weights(asset: &Asset) -> Vec<Vec<f64>> {
+fn stored_weights(asset: &Asset) -> Vec<Weights> {
+    let numbers = |weights: &Value| -> Weights {
+        weights.as_array().into_iter().flatten().map(|weight| weight.as_f64().unwrap_or(0.0)).collect()
+    };
+    let of_meshes: Vec<Weights> =
+        (0..asset.root.meshes.len()).map(|mesh| numbers(&asset.json["meshes"][mesh]["weights"])).collect();
+    let none = Weights::default();
     let of_node = |(index, node): (usize, &gltf::json::Node)| {
-        let own = asset.json["nodes"][index]["weights"].as_array();
-        let mesh = node.mesh.and_then(|mesh| asset.json["meshes"][mesh.value()]["weights"].as_array());
-        own.or(mesh).into_iter().flatten().map(|weight| weight.as_f64().unwrap_or(0.0)).collect()
+        let own = &asset.json["nodes"][index]["weights"];
+        let mesh = node.mesh.and_then(|mesh| of_meshes.get(mesh.value()));
+        if own.is_array() { numbers(own) } else { mesh.unwrap_or(&none).clone() }
     };
     asset.root.nodes.iter().enumerate().map(of_node).collect()
 }
 
 /// Warns of what the rest or the mesh leaves out.
-fn warn(asset: &mut Asset, placed: &[Placed], weights: &[Vec<f64>], thin: &[String]) {
+fn warn(asset: &mut Asset, placed: &[Placed], weights: &[Weights], thin: &[String]) {
     let is_shaped = |placed: &&Placed| weights[placed.node].iter().any(|&weight| weight != 0.0);
     let shaped: Vec<_> = placed.iter().filter(is_shaped).map(|placed| &placed.name).collect();
     if !shaped.is_empty() {

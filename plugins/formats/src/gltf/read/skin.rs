@@ -50,6 +50,17 @@ impl Skin {
         Ok(Self { joints, inverse_bind })
     }
 
+    /// The joints whose inverse bind matrix is singular, so that it flattens what they move.
+    pub fn singular(&self) -> impl Iterator<Item = usize> {
+        let is_flat = |matrix: &Matrix4<f64>| {
+            let linear = matrix.fixed_view::<3, 3>(0, 0);
+            let lengths: f64 = linear.column_iter().map(|column| column.norm()).product();
+            // Not above it, so that NaN is singular too.
+            !(linear.determinant().abs() > MIN_DETERMINANT * lengths)
+        };
+        self.joints.iter().zip(&self.inverse_bind).filter(move |(_, matrix)| is_flat(matrix)).map(|(joint, _)| *joint)
+    }
+
     /// The transforms from the stored mesh to the scene, one a joint, when the nodes are at `worlds`.
     pub fn matrices(&self, worlds: &[Matrix4<f64>]) -> Vec<Matrix3x4<f64>> {
         let pairs = self.joints.iter().zip(&self.inverse_bind);
@@ -60,6 +71,9 @@ impl Skin {
 /// Weights of one place that differ by less are the same: a few rounding errors of f32.
 const WEIGHT_NOISE: f64 = 1e-6;
 
+/// Vertices of one place that are no seam are not all compared with each other.
+const MAX_SHARED: usize = 64;
+
 /// How joints move the vertices of a run.
 #[derive(Debug)]
 pub struct Influences {
@@ -67,7 +81,15 @@ pub struct Influences {
     starts: Vec<u32>,
     /// Joints of the skin, and weights whose sum is 1 for each vertex.
     influences: Vec<(u32, f64)>,
+    /// The vertices whose weights are negative or do not sum to 1.
+    pub uneven: usize,
 }
+
+/// Weights in eight bits, as many files have them, may miss their sum of 1 by a few hundredths.
+const MAX_UNEVEN: f64 = 0.02;
+
+/// The smallest determinant of a sound inverse bind matrix, relative to the lengths of its columns.
+const MIN_DETERMINANT: f64 = 1e-12;
 
 impl Influences {
     /// Reads `JOINTS_0`, `WEIGHTS_0`, `JOINTS_1` and so on of a primitive; `None` if it has none, and its node moves it.
@@ -100,7 +122,7 @@ impl Influences {
         if sets.is_empty() {
             return Ok(None);
         }
-        let (mut starts, mut influences) = (vec![0], Vec::new());
+        let (mut starts, mut influences, mut uneven) = (vec![0], Vec::new(), 0);
         for vertex in 0..count {
             let all = sets.iter().flat_map(|(joints, weights)| joints[vertex].into_iter().zip(weights[vertex]));
             let mut all: Vec<(u32, f64)> = all.filter(|(_, weight)| *weight != 0.0).collect();
@@ -110,6 +132,8 @@ impl Influences {
             if !sum.is_finite() {
                 return Err(format!("vertex {vertex} (from 0) has weights that are not finite"));
             }
+            let plain: f64 = all.iter().map(|(_, weight)| weight).sum();
+            uneven += usize::from((plain - 1.0).abs() > MAX_UNEVEN || plain < sum);
             let first = influences.len();
             if sum == 0.0 {
                 influences.push((sets[0].0[vertex][0], 1.0));
@@ -123,7 +147,7 @@ impl Influences {
             }
             starts.push(influences.len() as u32);
         }
-        let mut read = Self { starts, influences };
+        let mut read = Self { starts, influences, uneven };
         read.share(stored);
         Ok(Some(read))
     }
@@ -135,9 +159,15 @@ impl Influences {
             // -0 is 0.
             let firsts = first_at.entry(std::array::from_fn(|k| (position[k] + 0.0).to_bits())).or_default();
             let own = self.range(vertex);
-            match firsts.iter().map(|&first| self.range(first)).find(|first| self.differ_by_noise(first, &own)) {
+            match firsts
+                .iter()
+                .take(MAX_SHARED)
+                .map(|&first| self.range(first))
+                .find(|first| self.differ_by_noise(first, &own))
+            {
                 Some(first) => self.influences.copy_within(first, own.start),
-                None => firsts.push(vertex),
+                None if firsts.len() < MAX_SHARED => firsts.push(vertex),
+                None => {}
             }
         }
     }

@@ -4,18 +4,22 @@
 
 use serde_json::{Map, Value, json};
 
+use super::tree;
+
 /// Parses the JSON of a glTF; the bare words `NaN` and `Infinity`, which JSON does not know, become null.
+///
+/// Beside the JSON there are the keys that stand twice in one object, of which the last counts.
 ///
 /// # Errors
 ///
 /// The parser's message.
-pub fn parse(bytes: &[u8]) -> Result<Value, String> {
+pub fn parse(bytes: &[u8]) -> Result<(Value, Vec<String>), String> {
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).trim_ascii();
     let padding = bytes.iter().rev().take_while(|&&byte| byte == 0).count();
     let text = String::from_utf8_lossy(&bytes[..bytes.len() - padding]);
-    serde_json::from_str(&text).or_else(|problem| {
+    tree::parse(&text).or_else(|problem| {
         // A second failure is told as the first: its line and column are those of the file.
-        serde_json::from_str(&without_bare_words(&text)).map_err(|_| problem.to_string())
+        tree::parse(&without_bare_words(&text)).map_err(|_| problem.to_string())
     })
 }
 
@@ -242,15 +246,15 @@ mod tests {
     #[test]
     fn bare_words_outside_strings_become_null() {
         let text = br#"{ "a": [NaN, -Infinity, Infinity, 1], "NaN": "NaN \" Infinity", "b": "\\" }"#;
-        let parsed = parse(text).unwrap();
+        let parsed = parse(text).unwrap().0;
         assert_eq!(parsed, json!({ "a": [null, null, null, 1], "NaN": "NaN \" Infinity", "b": "\\" }));
         assert_eq!(parse(b"{ NaN").unwrap_err(), "key must be a string at line 1 column 3");
     }
 
     #[test]
     fn bytes_around_the_json_do_not_matter() {
-        assert_eq!(parse(b"\xef\xbb\xbf {} \0\0").unwrap(), json!({}));
-        assert_eq!(parse(b"{ \"name\": \"M\xfcller\" }").unwrap(), json!({ "name": "M\u{fffd}ller" }));
+        assert_eq!(parse(b"\xef\xbb\xbf {} \0\0").unwrap().0, json!({}));
+        assert_eq!(parse(b"{ \"name\": \"M\xfcller\" }").unwrap().0, json!({ "name": "M\u{fffd}ller" }));
     }
 
     #[test]
