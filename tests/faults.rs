@@ -285,7 +285,7 @@ fn what_is_no_file_is_not_written_to_and_links_lead_to_their_files() {
     let project = project();
     assert!(Command::new("mkfifo").arg(project.path("pipe.glb")).status().expect("mkfifo").success());
     symlink("/dev/null", project.path("null.glb")).expect("a link");
-    for (name, kind) in [("pipe.glb", "a named pipe"), ("null.glb", "a device")] {
+    for (name, kind) in [("pipe.glb", "a pipe"), ("null.glb", "a device")] {
         for command in ["check", "run"] {
             let output = project.mimesh(&[command, "p.yaml", "--set", &format!("output={name}")]);
             assert_eq!(output.status, 73, "{}", output.stderr);

@@ -160,7 +160,8 @@ mod tests {
 
     #[test]
     fn boundaries_of_many_sheets_at_one_place_are_one() {
-        let sheet = |k: u32| if k % 2 == 0 { [3 * k, 3 * k + 1, 3 * k + 2] } else { [3 * k + 1, 3 * k, 3 * k + 2] };
+        let sheet =
+            |k: u32| if k.is_multiple_of(2) { [3 * k, 3 * k + 1, 3 * k + 2] } else { [3 * k + 1, 3 * k, 3 * k + 2] };
         let triangles: Vec<[u32; 3]> = (0..5000).map(sheet).collect();
         let positions: Vec<_> =
             (0..5000).flat_map(|k| [p(0., 0.), p(1., 0.), Point3::new(0.0, 1.0, f64::from(k))]).collect();

@@ -3,7 +3,7 @@
 //! A [`Transaction`] writes files beside their places under names of its own, and [`commit`](Transaction::commit) moves them. A journal
 //! in the folder of the last place lists the places before anything is written, and what is to be moved before anything is moved. It is
 //! locked as long as its writer lives. So whoever next begins a transaction with one of these places finds the journal of one that was
-//! killed, and finishes or undoes it ([`recovery`]). [`interrupted`] looks without doing anything.
+//! killed, and finishes or undoes it. [`interrupted`] looks without doing anything.
 //!
 //! Names of temporary files begin with `.mimesh-` and an identity that was drawn at random. Processes of several machines or containers
 //! may write into one folder. On a file system without locks a transaction that was killed is taken for one that lives.

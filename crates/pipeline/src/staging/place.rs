@@ -47,7 +47,7 @@ pub fn not_a_file(path: &Path) -> Option<&'static str> {
 fn special(kind: fs::FileType) -> &'static str {
     use std::os::unix::fs::FileTypeExt;
     match () {
-        () if kind.is_fifo() => "a named pipe",
+        () if kind.is_fifo() => "a pipe",
         () if kind.is_socket() => "a socket",
         () => "a device",
     }

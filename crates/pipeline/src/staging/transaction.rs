@@ -164,7 +164,9 @@ impl Transaction {
         // While the lock is held an interrupt waits, so that it finds all files in place or none.
         let mut temporary = registry::locked();
         let done = self.move_all(&files);
-        if let Err(Failure { diagnostic, is_undone: false }) = done {
+        if let Err(failure) = &done
+            && !failure.is_undone
+        {
             // The journal and what it names stay.
             for file in self.temporary_files(&files) {
                 temporary.forget(&file);
@@ -172,7 +174,7 @@ impl Transaction {
             self.made.drain(..).for_each(|folder| _ = temporary.forget_folder(&folder));
             self.pointers.clear();
             self.journal = None;
-            return Err(diagnostic);
+            return Err(failure.diagnostic.clone());
         }
         for file in files.iter().filter(|file| !file.part.exists()) {
             temporary.forget(&file.part);
@@ -185,7 +187,7 @@ impl Transaction {
         Ok(files.iter().map(Staged::written).collect())
     }
 
-    fn move_all(&mut self, files: &[Staged]) -> std::result::Result<(), Failure> {
+    fn move_all(&mut self, files: &[Staged]) -> std::result::Result<(), Box<Failure>> {
         let Some(journal) = &mut self.journal else { return Ok(()) };
         let moves = |file: &Staged| {
             let WrittenFile { bytes, blake3, .. } = file.written();
@@ -257,12 +259,12 @@ struct Failure {
 
 impl Failure {
     /// A failure before anything was moved.
-    fn whole(place: &Path, error: io::Error) -> Self {
-        Self { diagnostic: Error::write(place, error).into_diagnostic(), is_undone: true }
+    fn whole(place: &Path, error: io::Error) -> Box<Self> {
+        Box::new(Self { diagnostic: Error::write(place, error).into_diagnostic(), is_undone: true })
     }
 
     /// The failure `error` of moving to `place`, after all of `moving` was put back.
-    fn after_undoing(place: &Path, error: &io::Error, moving: &[Moving]) -> Self {
+    fn after_undoing(place: &Path, error: &io::Error, moving: &[Moving]) -> Box<Self> {
         let diagnostic = Error::write(place, io::Error::new(error.kind(), error.to_string())).into_diagnostic();
         let stuck: Vec<_> = moving
             .iter()
@@ -271,7 +273,7 @@ impl Failure {
             .map(|file| file.place.display().to_string())
             .collect();
         if stuck.is_empty() {
-            return Self { diagnostic, is_undone: true };
+            return Box::new(Self { diagnostic, is_undone: true });
         }
         let message = format!(
             "{}; these could not be put back, so that the results are of two runs: {}",
@@ -280,7 +282,7 @@ impl Failure {
         );
         let diagnostic =
             Diagnostic { message, ..diagnostic }.hint("run it again: the next run ends what this one has left");
-        Self { diagnostic, is_undone: false }
+        Box::new(Self { diagnostic, is_undone: false })
     }
 }
 

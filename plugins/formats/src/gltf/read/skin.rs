@@ -56,7 +56,7 @@ impl Skin {
             let linear = matrix.fixed_view::<3, 3>(0, 0);
             let lengths: f64 = linear.column_iter().map(|column| column.norm()).product();
             // Not above it, so that NaN is singular too.
-            !(linear.determinant().abs() > MIN_DETERMINANT * lengths)
+            linear.determinant().is_nan() || linear.determinant().abs() <= MIN_DETERMINANT * lengths
         };
         self.joints.iter().zip(&self.inverse_bind).filter(move |(_, matrix)| is_flat(matrix)).map(|(joint, _)| *joint)
     }
