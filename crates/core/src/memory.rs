@@ -54,14 +54,6 @@ pub fn bytes_of<T>(count: usize) -> u64 {
     (count as u64).saturating_mul(size_of::<T>() as u64)
 }
 
-/// A number of bytes in words, as `2.1 GB`.
-pub fn in_words(bytes: u64) -> String {
-    match bytes as f64 {
-        b if b < 1e9 => format!("{:.0} MB", (b / 1e6).ceil()),
-        b => format!("{:.1} GB", b / 1e9),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -70,6 +62,7 @@ mod tests {
     fn what_fits_beside_what_is_in_use_is_granted_and_no_sum_overflows() {
         assert!(fits(3, 4, 7) && !fits(4, 4, 7) && !fits(u64::MAX, 4, 7));
         assert_eq!(bytes_of::<[f64; 3]>(2), 48);
-        assert_eq!([in_words(1), in_words(999_000_000), in_words(2_140_000_000)], ["1 MB", "999 MB", "2.1 GB"]);
+        let error = Error::Memory { what: "it".into(), needed: 2_140_000_000, used: 1, limit: 999_000_000 };
+        assert_eq!(error.to_string(), "it would take 2.1 GB of memory beside the 1 MB in use, and 999 MB are allowed");
     }
 }

@@ -169,7 +169,7 @@ mod tests {
         let pipe = folder.path().join("pipe.obj");
         assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
         let reach = Reach::default();
-        for (path, kind) in [(pipe, "a named pipe"), ("/dev/zero".into(), "a device")] {
+        for (path, kind) in [(pipe, "a pipe"), ("/dev/zero".into(), "a device")] {
             let file = FileOnDisk { path, reach: &reach };
             for error in [file.contents().map(|_| ()).unwrap_err(), file.open().map(|_| ()).unwrap_err()] {
                 assert!(error.to_string().contains(kind), "{error}");

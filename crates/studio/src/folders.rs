@@ -10,7 +10,10 @@ use mimesh_markers::notation::Notation;
 use mimesh_pipeline::Formats;
 use serde::Serialize;
 
-use crate::error::{ApiError, Result};
+use crate::{
+    error::{ApiError, Result},
+    regular,
+};
 
 /// The most entries of a folder that are listed.
 const MAX_ENTRIES: usize = 10_000;
@@ -148,7 +151,7 @@ impl Folders {
 fn kind_of(path: &Path, bytes: u64, formats: &Formats) -> EntryKind {
     let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
     if ["yaml", "yml"].contains(&&*extension) {
-        let text = if bytes < 1 << 20 { fs::read_to_string(path).unwrap_or_default() } else { String::new() };
+        let text = if bytes < 1 << 20 { regular::read_text(path).unwrap_or_default() } else { String::new() };
         let has = |key: &str| text.lines().any(|line| line.starts_with(key));
         return if has("markers:") && !has("transfer:") && !has("output:") {
             EntryKind::Markers

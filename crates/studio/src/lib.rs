@@ -25,6 +25,7 @@ pub mod order;
 pub mod pipeline;
 pub mod project;
 pub mod propose;
+mod regular;
 pub mod routes;
 pub mod run;
 pub mod scalars;

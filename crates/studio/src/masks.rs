@@ -15,6 +15,7 @@ use crate::{
     error::{ApiError, Code, Result},
     markers::Side,
     project::Project,
+    regular,
 };
 
 /// The most characters of a mask's name.
@@ -94,7 +95,7 @@ impl Project {
     pub fn mask(&self, side: Side, name: &str) -> Result<Vec<u8>> {
         let file = self.mask_file(side, name)?;
         let missing = || ApiError::not_found(format!("there is no mask `{name}` of the {}", side.role()));
-        let text = fs::read_to_string(&file).map_err(|_| missing())?;
+        let text = regular::read_text(&file).map_err(|_| missing())?;
         let wrong = |what: String| ApiError::new(Code::Unprocessable, format!("{}: {what}", file.display()));
         let MaskFile { weights, components } = serde_json::from_str(&text).map_err(|error| wrong(error.to_string()))?;
         let count = self.meshes.sides[side.index()].sequence.rest.positions.len();
@@ -155,7 +156,7 @@ fn mask_of(file: &Path) -> Option<Mask> {
     let name = file.file_name()?.to_str()?.strip_suffix(".mask.json")?;
     let (name, side) = name.rsplit_once('.')?;
     let side = [Side::Source, Side::Target].into_iter().find(|s| MeshRole::BOTH[s.index()].name() == side)?;
-    let text = fs::read_to_string(file).ok()?;
+    let text = regular::read_text(file).ok()?;
     let kind = if text.contains("\"components\"") { MaskKind::Components } else { MaskKind::Weights };
     Some(Mask { name: name.into(), side, file: file.into(), kind })
 }

@@ -302,7 +302,7 @@ mod tests {
             ["1:11: marker 1: expected a mapping, found the string \"1:2\", and so with 2 more"]
         );
         assert_eq!(first_lines("marker: []\n"), ["1:1: unknown key `marker`", "1:1: missing key `markers`"]);
-        assert_eq!(first_lines("markers: 3\n"), ["1:10: `markers`: expected a sequence"]);
+        assert_eq!(first_lines("markers: 3\n"), ["1:10: `markers`: expected a sequence, found 3"]);
         assert_eq!(first_lines("- 1\n"), ["1:1: expected a mapping with the key `markers`"]);
     }
 

@@ -34,4 +34,4 @@ pub use parts::{OTHER_MESHES, prepare_meshes, prepare_posed_meshes, prepare_sour
 pub use quick::check_text;
 pub use rest_meshes::in_file;
 pub use runs::{prepare_all, prepare_document};
-pub use vertex_counts::other_vertex_counts;
+pub use vertex_counts::{no_pose_fits, other_vertex_counts};

@@ -18,7 +18,6 @@ use super::{
     rest_meshes::{at_file, in_file, rest_mesh},
     seams::{self, SeamCache},
     units,
-    vertex_counts::all_others,
 };
 use crate::{
     globs::{expand, is_glob, nearby},
@@ -63,15 +62,6 @@ pub(super) fn source(
         }
     };
     let poses = with_unique_names(scope, found, poses);
-    if let Some(mesh) = &mesh
-        && !poses.iter().any(|pose| matches!(pose.from, PoseFrom::Held(_)))
-    {
-        let files = poses.iter().filter_map(|pose| match &pose.from {
-            PoseFrom::File(file) => Some(file.as_path()),
-            PoseFrom::Held(_) => None,
-        });
-        found.diagnostics.extend(all_others(scope.formats, files, mesh));
-    }
     let pose = source.rest.as_ref().and_then(|rest| rest.pose.as_deref());
     let mesh = match (mesh, pose) {
         (Some(mesh), Some(name)) => resting_at(scope, found, mesh, &poses, name),

@@ -11,7 +11,7 @@ use mimesh_document::Diagnostic;
 use super::rest_meshes::in_file;
 use crate::{
     formats::Formats,
-    input::{GroundTruth, PoseFrom, Prepared, RestMesh},
+    input::{GroundTruth, PoseFrom, PoseInput, Prepared},
 };
 
 /// What tells that `file` is no pose of `rest`, if that can be seen.
@@ -20,17 +20,16 @@ fn other_count(formats: &Formats, file: &Path, selection: &Selection, rest: &Mes
     check_vertices(file, rest, count).err().map(|error| in_file(file, error))
 }
 
-/// Diagnostics of all `files` if none of them can be a pose of `mesh`: a run would fail with every one, after its stages.
+/// Diagnostics of all poses of `prepared` if none of them can be one: the run would fail with every one, after its stages.
 ///
 /// Where one may be a pose nothing is said, since the run tells of the others as it comes to them.
-pub(super) fn all_others<'a>(
-    formats: &Formats,
-    files: impl IntoIterator<Item = &'a Path>,
-    mesh: &RestMesh,
-) -> Vec<Diagnostic> {
-    let (selection, rest) = (&mesh.selection, &mesh.sequence.rest);
-    let found: Option<Vec<_>> = files.into_iter().map(|file| other_count(formats, file, selection, rest)).collect();
-    found.unwrap_or_default()
+pub fn no_pose_fits(prepared: &Prepared) -> Vec<Diagnostic> {
+    let (selection, rest) = (&prepared.source.selection, &prepared.source.sequence.rest);
+    let other = |pose: &PoseInput| match &pose.from {
+        PoseFrom::File(file) => other_count(&prepared.formats, file, selection, rest),
+        PoseFrom::Held(_) => None,
+    };
+    prepared.poses.iter().map(other).collect::<Option<_>>().unwrap_or_default()
 }
 
 /// Diagnostics of the poses and known results of `prepared` that have another number of vertices than their mesh.

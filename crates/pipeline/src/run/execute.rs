@@ -13,6 +13,7 @@ use tracing::info_span;
 use super::{measure::Measurer, poses::PoseRunner, shapes::Shapes, stages::Stages, stream::Stream, written};
 use crate::{
     cache::{Cache, LastRun},
+    check::no_pose_fits,
     input::{InputFile, Prepared},
     json::to_value,
     metrics::{Gate, Level, MetricSet, PoseMetrics, Reason, landmark_doubt, over_poses},
@@ -61,6 +62,7 @@ fn execute(prepared: &Prepared, plan: &Plan, cache: Option<&Cache>, progress: &d
         return Err(Diagnostic::new(Kind::Internal, "a pipeline without a transfer was taken for checked").into());
     };
     let since_start = Clock::start();
+    Diagnostics { list: no_pose_fits(prepared) }.into_result()?;
     let transaction = Transaction::begin(prepared.outputs.files())?;
     let cached = cache.zip(plan.cached.as_ref());
     let stages = Stages::new(prepared, transfer.as_ref(), cached, progress);

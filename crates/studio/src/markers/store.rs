@@ -1,7 +1,7 @@
 //! The document with its file: every accepted change is on the disk before anybody hears of it.
 
 use std::{
-    fs, io,
+    io,
     path::{Path, PathBuf},
     sync::{Arc, Mutex, MutexGuard, PoisonError},
 };
@@ -17,7 +17,7 @@ use super::{
     pair::{Content, Origin, Pair, Status},
     view::{DiskState, EditView, MarkersView},
 };
-use crate::{durable, error::Result, meshes::Meshes};
+use crate::{durable, error::Result, meshes::Meshes, regular};
 
 /// The document of a project, and the file that holds it.
 #[derive(Debug)]
@@ -58,7 +58,7 @@ impl MarkerStore {
     ///
     /// What is wrong with the file; it is left as it is.
     pub fn open(file: PathBuf, meshes: Arc<Meshes>, initial: Vec<(Content, Origin)>) -> diagnostic::Result<Self> {
-        let (document, known) = match fs::read(&file) {
+        let (document, known) = match regular::read(&file) {
             Ok(bytes) => {
                 let contents = parse(&file, &bytes)?.into_iter().map(|content| (content, Origin::File));
                 (MarkerDocument::new(contents), Some(blake3::hash(&bytes)))
@@ -183,7 +183,7 @@ impl MarkerStore {
 
     /// Reads the file if it is not as it was left.
     fn take_in(&self, state: &mut State) {
-        let Ok(bytes) = fs::read(&self.file) else { return };
+        let Ok(bytes) = regular::read(&self.file) else { return };
         let hash = blake3::hash(&bytes);
         if state.known == Some(hash) {
             return;

@@ -1,7 +1,7 @@
 //! The text of the pipeline and its file.
 
 use std::{
-    fs, io,
+    io,
     path::{Path, PathBuf},
     sync::{Arc, Mutex, MutexGuard, PoisonError},
 };
@@ -19,6 +19,7 @@ use crate::{
     durable,
     error::{ApiDiagnostic, ApiError, Code, Result},
     markers::DiskState,
+    regular,
 };
 
 /// The text of the pipeline of a project, and the file that holds it.
@@ -71,7 +72,7 @@ impl PipelineStore {
     ///
     /// If the file cannot be read.
     pub fn open(file: PathBuf, text: String) -> diagnostic::Result<Self> {
-        let (text, exists) = match fs::read_to_string(&file) {
+        let (text, exists) = match regular::read_text(&file) {
             Ok(text) => (text, true),
             Err(error) if error.kind() == io::ErrorKind::NotFound => (text, false),
             Err(error) => return Err(files::unreadable(&file, "read", &error).into()),
@@ -262,7 +263,7 @@ impl PipelineStore {
     }
 
     fn take_in(&self, state: &mut State) {
-        let Ok(text) = fs::read_to_string(&self.file) else { return };
+        let Ok(text) = regular::read_text(&self.file) else { return };
         let hash = blake3::hash(text.as_bytes());
         if state.known == Some(hash) {
             return;
