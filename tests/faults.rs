@@ -249,14 +249,20 @@ fn of_two_runs_at_once_one_writes_all_or_the_other() {
     let project = project();
     let (old, new) = old_and_new(&project);
     let mut refused = 0;
+    // One makes the old set, and one the new one.
+    for (folder, by) in [("older", 0.1), ("newer", 0.5)] {
+        lean(&project, by);
+        for pose in project.names(".").into_iter().filter(|name| name.starts_with("pose-")) {
+            project.write(&format!("{folder}/{pose}"), &project.read(&pose));
+        }
+    }
     for _ in 0..6 {
-        // One makes the old set, and one the new one.
-        lean(&project, 0.1);
-        let command = || project.command(&["run", "p.yaml", "--no-cache", "--quiet"]).stderr(Stdio::piped()).spawn();
-        let first = command().expect("the command runs");
-        thread::sleep(Duration::from_millis(15));
-        lean(&project, 0.5);
-        let second = command().expect("the command runs");
+        let start = |folder: &str| {
+            let poses = format!("source.poses={folder}/pose-*.obj");
+            let mut command = project.command(&["run", "p.yaml", "--no-cache", "--quiet", "--set", &poses]);
+            command.stderr(Stdio::piped()).spawn().expect("the command runs")
+        };
+        let (first, second) = (start("older"), start("newer"));
         let statuses: Vec<i32> = [first, second]
             .into_iter()
             .map(|child| {
@@ -274,8 +280,7 @@ fn of_two_runs_at_once_one_writes_all_or_the_other() {
         assert!(statuses.contains(&0), "{statuses:?}");
         let found = set(&project);
         assert_report_is_of(&project, &found);
-        // Poses may be read while they change; the file of all poses and the report still are of one run.
-        assert!(found.keys().eq(old.keys()) && found.keys().eq(new.keys()), "nothing is left over");
+        assert!(found == old || found == new, "{:?}", found.keys());
     }
     println!("{refused} runs were refused");
 }

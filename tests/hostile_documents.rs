@@ -296,7 +296,7 @@ fn poses_of_another_mesh_are_found_before_anything_is_computed() {
     for pose in [1, 10] {
         project.write(&format!("pose-{pose}.obj"), small);
     }
-    let none = project.mimesh(&["plan", "p.yaml"]);
+    let none = project.mimesh(&["run", "p.yaml"]);
     assert!(none.status == 65 && none.stderr.contains(message), "{}", none.stderr);
 }
 

@@ -78,7 +78,7 @@ pub(super) fn remove_unbegun(folder: &Path) -> io::Result<()> {
         let path = entry.path();
         if matches!(names::parse(&path), Some(Found::Journal(_)))
             && journal::is_unbegun(&path)
-            && Journal::take_over(&path)?.is_some()
+            && matches!(Journal::take_over(&path), Ok(Some(_)))
         {
             disk::remove(&path)?;
         }
@@ -123,12 +123,14 @@ impl Other {
         let journal = match Journal::take_over(&self.journal) {
             Ok(Some(journal)) => journal,
             Ok(None) => return Ok(false),
-            // It ended meanwhile.
-            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(true),
-            Err(error) => return Err(error),
+            Err(error) => return ended(error),
         };
         // It may have gone on, or have ended, since it was read.
-        let Some(record) = Record::read(&self.journal)? else { return Ok(true) };
+        let record = match Record::read(&self.journal) {
+            Ok(Some(record)) => record,
+            Ok(None) => return Ok(true),
+            Err(error) => return ended(error),
+        };
         let moving = moving(&journal.identity, &record);
         if record.is_done {
             moving.iter().try_for_each(Moving::clean_up)?;
@@ -167,6 +169,11 @@ impl Other {
             _ => Interrupted::Writing,
         }
     }
+}
+
+/// Whether a journal that cannot be read is gone, since its transaction has ended meanwhile.
+fn ended(error: io::Error) -> io::Result<bool> {
+    if error.kind() == io::ErrorKind::NotFound { Ok(true) } else { Err(error) }
 }
 
 fn moving(identity: &str, record: &Record) -> Vec<Moving> {
