@@ -1,5 +1,7 @@
 //! Numbers, sizes and tables as people read them.
 
+pub use mimesh_document::limits::thousands;
+
 use std::borrow::Cow;
 
 /// A number with four significant digits, without an exponent where it can be avoided.
@@ -23,19 +25,6 @@ pub fn number(value: f64) -> String {
 /// A count with its noun, e.g. `8,431 vertices`.
 pub fn count(count: usize, one: &str, many: &str) -> String {
     format!("{} {}", thousands(count), if count == 1 { one } else { many })
-}
-
-/// A count with commas between thousands.
-pub fn thousands(count: usize) -> String {
-    let digits = count.to_string();
-    let mut result = String::new();
-    for (i, digit) in digits.chars().enumerate() {
-        if i > 0 && (digits.len() - i).is_multiple_of(3) {
-            result.push(',');
-        }
-        result.push(digit);
-    }
-    result
 }
 
 /// A size in bytes, kB, MB or GB of 1000.
