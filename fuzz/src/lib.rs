@@ -7,6 +7,7 @@
 // The stages register themselves where their crate is linked.
 use mimesh as _;
 
+mod bytes;
 pub mod corpus;
 mod judge;
 pub mod limits;

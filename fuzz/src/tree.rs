@@ -3,7 +3,7 @@
 use mimesh_core::random::Random;
 use serde_json::{Value, json};
 
-use crate::mutate::{NUMBERS, raw, text};
+use crate::bytes::{NUMBERS, raw, text};
 
 /// A change of the JSON in `bytes`; of their text if they are none.
 pub fn json(random: &mut Random, bytes: &[u8], words: &[&str]) -> Vec<u8> {
