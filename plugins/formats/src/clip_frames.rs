@@ -4,7 +4,7 @@ use std::collections::HashSet;
 
 use mimesh_core::stage::{ClipChoice, ClipTimes};
 
-use crate::names::{all_distinct, find, quoted};
+use crate::names::{all_distinct, find, quoted, shown};
 
 /// No clip is cut into more poses: such numbers come from a mistake in the frames a second or in the file.
 const MAX_POSES: usize = 1_000_000;
@@ -38,12 +38,15 @@ pub struct Frame {
 /// If `seconds` is no number.
 pub fn check_rest_time(name: &str, span: [f64; 2], seconds: f64, warnings: &mut Vec<String>) -> Result<(), String> {
     if !seconds.is_finite() {
-        return Err(format!("time {seconds} of the clip `{name}`: expected a number of seconds"));
+        return Err(format!("time {seconds} of the clip `{}`: expected a number of seconds", shown(name)));
     }
     let [first, last] = span;
     if seconds > last + slack(last) || seconds < first.min(0.0) {
         let end = if seconds > last { last } else { first };
-        warnings.push(format!("the clip `{name}` has no time {seconds} s: the rest is that of {end} s, its nearest"));
+        warnings.push(format!(
+            "the clip `{}` has no time {seconds} s: the rest is that of {end} s, its nearest",
+            shown(name)
+        ));
     }
     Ok(())
 }

@@ -133,11 +133,23 @@ export class Live {
     if (point === null) {
       this.nextDrag = null;
       this.drag += 1;
+      this.dragAnswered = this.drag;
       this.socket.send({ type: 'drag', drag: this.drag, pair, side, point });
       return;
     }
     this.nextDrag = { pair, side, point };
     this.sendDrag();
+  }
+
+  /**
+   * Ends a drag whose point is `saved`. Of what the drag has sent, the last may reach the server after the edit, and would then be a drag
+   * without an end.
+   */
+  async endDrag(pair: number, side: Side, saved: Promise<void>): Promise<void> {
+    this.nextDrag = null;
+    const { drag } = this;
+    await saved;
+    if (drag === this.drag && this.nextDrag === null) this.dragTo(pair, side, null);
   }
 
   receive(frame: Container<FrameHeader>): void {

@@ -52,9 +52,11 @@ export class MarkerTool implements PaneTool {
     const dragged = this.studio.dragged.peek();
     this.grabbed = null;
     if (!dragged) return;
+    const { live, markers } = this.studio;
     // The edit before the end of the drag, or the point would flash back for one picture.
-    this.studio.markers.edit({ op: 'move', ...dragged });
+    markers.edit({ op: 'move', ...dragged });
     this.studio.dragged.value = null;
+    void live.endDrag(dragged.pair, dragged.side, markers.settled());
   }
 
   cancel(pane: Pane): void {

@@ -255,14 +255,13 @@ async function drag(pane, id, [dx, dy]) {
 
 /** Waits until the server has another point for the pair. */
 async function changed(pair, side) {
-  await page.waitForFunction(
-    async ([id, which, point]) => {
-      const { pairs } = await (await fetch('/api/markers')).json();
-      return JSON.stringify(pairs.find((other) => other.id === id)[which]) !== point;
-    },
-    [pair.id, side, JSON.stringify(pair[side])],
-  );
-  await page.evaluate(() => window.mimesh.studio.markers.settled());
+  const hasMoved = async () => {
+    const now = (await onServer()).find((other) => other.id === pair.id);
+    return JSON.stringify(now[side]) !== JSON.stringify(pair[side]);
+  };
+  // The predicate of `waitForFunction` may not be asynchronous: a promise counts as true.
+  while (!(await hasMoved())) await page.waitForTimeout(20);
+  await saved(page);
 }
 
 function same(a, b) {

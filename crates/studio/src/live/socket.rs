@@ -90,9 +90,12 @@ fn wish(text: &str, wishes: &watch::Sender<Wish>, studio: &Studio) -> Result<(),
         ToServer::Look(look) => wishes.send_modify(|wish| wish.look = Some(look)),
         ToServer::Drag(drag) => {
             let now = studio.current().map_or(0, |project| project.markers.revision());
-            wishes.send_modify(|wish| {
+            // The end of a drag that an edit has ended already asks for nothing.
+            wishes.send_if_modified(|wish| {
+                let was_dragged = wish.drag.is_some();
                 wish.drag = Some(drag).filter(|drag| drag.point.is_some());
                 wish.dragged_at = now;
+                was_dragged || wish.drag.is_some()
             });
         }
     }

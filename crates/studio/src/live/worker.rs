@@ -160,14 +160,17 @@ impl Page {
                     Some(Ok(Err(Stopped::Panicked(words)))) => {
                         let error = ApiError::new(Code::Internal, format!("the program made a mistake: {words}"));
                         self.tell(state("result", LiveState::Failed, 0, Some(error))).await;
-                        break;
                     }
-                    Some(Ok(Err(Stopped::Cancelled))) => {}
-                    Some(_) => {
-                        shown = Some(wish);
-                        break;
+                    Some(Ok(Err(Stopped::Cancelled))) => continue,
+                    Some(_) => shown = Some(wish.clone()),
+                    None => {
+                        let _ = work.await;
+                        continue;
                     }
-                    None => _ = work.await,
+                }
+                // A wish that came when it was too late to stop the work was taken note of above, and must not be forgotten.
+                if is_same_result(&wish, &wishes.borrow()) {
+                    break;
                 }
             }
         }

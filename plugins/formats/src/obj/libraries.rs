@@ -5,7 +5,10 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use crate::paths::{relative, resolved};
+use crate::{
+    names::quoted,
+    paths::{relative, resolved},
+};
 
 /// The `mtllib` lines of a file.
 #[derive(Debug)]
@@ -53,9 +56,8 @@ impl LibraryLines {
     /// The sentence about lines that are others in a file in `folder`.
     pub fn warning(&self, folder: &Path) -> Option<String> {
         let moved = self.moved_to(folder);
-        let names: Vec<_> = moved.iter().map(|(_, names)| names.replace("\nmtllib ", ", ")).collect();
-        (!names.is_empty()).then(|| {
-            format!("`mtllib` names the material library by its path from the new folder: {}", names.join(", "))
-        })
+        let names: Vec<&str> = moved.iter().flat_map(|(_, names)| names.split("\nmtllib ")).collect();
+        (!names.is_empty())
+            .then(|| format!("`mtllib` names the material library by its path from the new folder: {}", quoted(&names)))
     }
 }

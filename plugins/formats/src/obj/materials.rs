@@ -6,7 +6,10 @@ use mimesh_core::{
     stage::FileInput,
 };
 
-use crate::images::{self, Beside};
+use crate::{
+    images::{self, Beside},
+    names::shown,
+};
 
 /// The materials of a file, and the names of its libraries that exist.
 #[derive(Debug, Default)]
@@ -52,7 +55,7 @@ pub fn read(
                 }
                 Err(problem) => warnings.push(format!(
                     "material library {} {problem}: materials keep their names but have no colour in other formats",
-                    input.path_of(&library).display()
+                    input.path_of(&shown(&library)).display()
                 )),
             }
         }

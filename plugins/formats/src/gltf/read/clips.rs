@@ -55,7 +55,10 @@ pub fn read(asset: &mut Asset) -> Vec<Clip> {
         }
         if let Some(problem) = problems.first() {
             let count = problems.len();
-            warnings.push(format!("{count} channels of the clip `{name}` were left out, the first since {problem}"));
+            warnings.push(format!(
+                "{count} channels of the clip `{}` were left out, the first since {problem}",
+                shown(&name)
+            ));
         }
         let clip = Clip { name, channels };
         let [first, last] = clip.span();

@@ -9,7 +9,10 @@ use super::{
     names,
     stored::{list, number},
 };
-use crate::gltf::{document::GltfDocument, write::binary::Binary};
+use crate::{
+    gltf::{document::GltfDocument, write::binary::Binary},
+    names::quoted,
+};
 
 /// The accessors of a new morph target for the vertices of a placement.
 #[derive(Clone, Debug, PartialEq)]
@@ -84,22 +87,22 @@ impl NewTargets<'_> {
     /// Sentences about meshes that are copied, and about those that have no room for names.
     pub fn warnings(&self, nodes: &[Shown]) -> Vec<String> {
         let json = &self.document.json;
-        let quoted = |shown: &Shown| format!("`{}`", mesh_name(json, shown.mesh));
+        let name = |shown: &Shown| mesh_name(json, shown.mesh);
         let copied = nodes.iter().zip(firsts(nodes));
         let copied = copied.filter(|(shown, first)| first.is_some_and(|first| !self.same(first, shown)));
-        let copied: BTreeSet<_> = copied.map(|(shown, _)| quoted(shown)).collect();
+        let copied: BTreeSet<_> = copied.map(|(shown, _)| name(shown)).collect();
         let copied: Vec<_> = copied.into_iter().collect();
         let extras = |shown: &Shown| list(json, "meshes")[shown.mesh].get("extras");
         let taken = nodes.iter().filter(|shown| extras(shown).is_some_and(|e| !e.is_null() && !e.is_object()));
-        let taken: Vec<_> = taken.map(quoted).collect();
+        let taken: Vec<_> = taken.map(name).collect();
         let mut warnings = Vec::new();
         if !copied.is_empty() {
             let why = "meshes that several nodes show are copied, since they move differently";
-            warnings.push(format!("{why}: {}", copied.join(", ")));
+            warnings.push(format!("{why}: {}", quoted(&copied)));
         }
         if !taken.is_empty() {
             let why = "morph targets have no names, since the extras of their meshes are no object";
-            warnings.push(format!("{why}: {}", taken.join(", ")));
+            warnings.push(format!("{why}: {}", quoted(&taken)));
         }
         warnings
     }

@@ -127,7 +127,7 @@ impl SequenceWriter for PatchWriter {
         for shown in shown(document) {
             let stuck = self.morphs.stuck(&shown);
             if stuck > 0 {
-                let name = mesh_name(&document.json, shown.mesh);
+                let name = crate::names::shown(&mesh_name(&document.json, shown.mesh));
                 warnings.push(format!(
                     "{stuck} vertices of `{name}` do not move, since joints or nodes flatten the space they are stored in"
                 ));

@@ -1,0 +1,109 @@
+//! Runs that are killed.
+
+use std::{
+    fs,
+    os::unix::process::ExitStatusExt,
+    process::{Command, Stdio},
+    thread,
+    time::{Duration, Instant},
+};
+
+use mimesh::core::testkit::random::Random;
+
+use crate::{
+    common::Project,
+    sets::{POSES, Set, assert_report_is_of, old_and_new, project, put_back, results, run, set},
+};
+
+/// What has become of a run that was killed: `true` if its files were old ones and new ones.
+#[track_caller]
+fn after_a_kill(project: &Project, (old, new): &(Set, Set), when: &str) -> bool {
+    let found = results(&set(project));
+    for (name, bytes) in &found {
+        assert!(*bytes == old[name] || *bytes == new[name], "{when}: {name} is torn");
+    }
+    let is_mixed = found != *old && found != *new;
+    let told = project.mimesh(&["check", "p.yaml"]);
+    assert_eq!(told.status, 0, "{}", told.stderr);
+    if is_mixed {
+        assert!(told.stderr.contains("so the files are of two runs"), "{when}: {}", told.stderr);
+        let plan = project.mimesh(&["plan", "p.yaml"]);
+        assert!((plan.stdout + &plan.stderr).contains("so the files are of two runs"), "{when}");
+    }
+    run(project);
+    assert_eq!(set(project), *new, "{when}: the next run");
+    assert_report_is_of(project, new);
+    is_mixed
+}
+
+/// Kills `count` runs at moments spread over the time of a run.
+fn kill(count: usize) {
+    let project = project();
+    let sets = old_and_new(&project);
+    let started = Instant::now();
+    run(&project);
+    let whole_run = started.elapsed().as_secs_f64();
+    let mut random = Random::new(7);
+    let (mut met, mut mixed) = (0, 0);
+    while met < count {
+        put_back(&project, &sets.0);
+        let mut command = project.command(&["run", "p.yaml", "--no-cache", "--quiet"]);
+        let mut child = command.stdout(Stdio::null()).spawn().expect("the command runs");
+        // More kills where files are moved, near the end.
+        let share = if met % 2 == 0 { random.between(0.0, 1.0) } else { random.between(0.7, 1.0) };
+        thread::sleep(Duration::from_secs_f64(share * whole_run));
+        child.kill().expect("a process to kill");
+        if child.wait().expect("an end").signal() == Some(9) {
+            met += 1;
+            mixed += usize::from(after_a_kill(&project, &sets, &format!("kill {met}")));
+        }
+    }
+    println!("{met} runs were killed, {mixed} of them while files were moved");
+}
+
+#[test]
+fn killed_runs_leave_old_results_or_new_ones_after_the_next_run() {
+    kill(12);
+}
+
+#[test]
+#[ignore = "takes minutes; .ci/long runs it"]
+fn runs_killed_200_times_leave_old_results_or_new_ones_after_the_next_run() {
+    kill(200);
+}
+
+/// Kills a run at each of its system calls of some kind, by strace.
+#[test]
+#[ignore = "takes minutes and needs strace; .ci/long runs it"]
+fn a_run_killed_at_any_system_call_of_its_commit_leaves_old_results_or_new_ones() {
+    let project = project();
+    let sets = old_and_new(&project);
+    let traced = |options: &[&str]| {
+        let mimesh = project.command(&["run", "p.yaml", "--no-cache", "--quiet", "--threads", "1"]);
+        let mut command = Command::new("strace");
+        command.args(["-f", "-qq", "-o", "trace.txt"]).args(options).arg(mimesh.get_program()).args(mimesh.get_args());
+        command.current_dir(project.path(".")).stdout(Stdio::null());
+        mimesh.get_envs().for_each(|(name, value)| _ = command.env(name, value.unwrap_or_default()));
+        command.status().expect("strace is installed")
+    };
+    let mut mixed = 0;
+    let mut kills = 0;
+    for call in ["rename", "link", "linkat", "unlink", "fsync", "flock", "mkdir", "chmod", "fchmodat", "write"] {
+        put_back(&project, &sets.0);
+        // The report is the last file that is written.
+        assert!(traced(&["-e", &format!("trace={call}")]).success());
+        let trace = fs::read_to_string(project.path("trace.txt")).expect("a trace");
+        let count = trace.lines().filter(|line| line.contains(&format!("{call}("))).count();
+        for number in 1..=count {
+            put_back(&project, &sets.0);
+            let inject = format!("inject={call}:signal=KILL:when={number}");
+            let status = traced(&["-e", &format!("trace={call}"), "-e", &inject]);
+            assert!(!status.success(), "{call} {number} of {count}");
+            mixed += usize::from(after_a_kill(&project, &sets, &format!("{call} {number} of {count}")));
+            kills += 1;
+        }
+        println!("{call}: {count} calls");
+    }
+    println!("{kills} kills, {mixed} of them left old and new files until the next run");
+    assert!(mixed > POSES, "{mixed} kills came between two renames");
+}

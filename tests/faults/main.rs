@@ -1,0 +1,10 @@
+//! Runs that die, disks that are full and folders that are closed: results are those of one run, old or new, and nothing is left over.
+#![cfg(all(feature = "bundled", target_os = "linux"))]
+
+#[path = "../common/mod.rs"]
+mod common;
+mod disks;
+mod kills;
+mod places;
+mod sets;
+mod together;
