@@ -274,7 +274,7 @@ fn morph_targets_of_a_file_are_its_poses() {
 }
 
 #[test]
-fn a_truth_that_does_not_fit_is_a_warning_and_the_result_is_written() {
+fn a_truth_that_does_not_fit_is_a_warning_and_the_result_is_written_and_not_called_good() {
     let project = Project::new();
     project.write("truth-1.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
     project.edit("pose-*.obj", "pose-?.obj");
@@ -283,5 +283,7 @@ fn a_truth_that_does_not_fit_is_a_warning_and_the_result_is_written() {
     let output = project.mimesh(&["run", "p.yaml"]);
     assert_eq!(output.status, 0, "{}", output.stderr);
     assert!(output.stderr.contains("warning: pose 1: not scored: "), "{}", output.stderr);
+    let doubt = "1, doubtful: the pose is not scored, since its known result cannot be read: truth-1.obj";
+    assert!(output.stdout.contains(doubt), "{}", output.stdout);
     assert_eq!(project.names("out"), ["1.obj", "2.obj", "run.json"]);
 }

@@ -12,7 +12,7 @@ use mimesh::core::testkit::random::Random;
 
 use crate::{
     common::Project,
-    sets::{POSES, Set, assert_report_is_of, old_and_new, project, put_back, results, run, set},
+    sets::{POSES, Set, assert_report_is_of, assert_same, old_and_new, project, put_back, results, run, set},
 };
 
 /// What has become of a run that was killed: `true` if its files were old ones and new ones.
@@ -31,7 +31,7 @@ fn after_a_kill(project: &Project, (old, new): &(Set, Set), when: &str) -> bool 
         assert!((plan.stdout + &plan.stderr).contains("so the files are of two runs"), "{when}");
     }
     run(project);
-    assert_eq!(set(project), *new, "{when}: the next run");
+    assert_same(&set(project), new, &format!("{when}: the next run"));
     assert_report_is_of(project, new);
     is_mixed
 }

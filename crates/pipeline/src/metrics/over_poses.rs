@@ -73,7 +73,8 @@ pub fn primary_statistics(poses: &[PoseReport]) -> Vec<PrimaryStatistic> {
         }
     }
     let reasons = poses.iter().filter_map(|pose| pose.verdict.as_ref()).flat_map(|verdict| &verdict.reasons);
-    for Reason { metric, statistic, .. } in reasons {
+    // A reason may be about no metric, such as a known result that cannot be read.
+    for Reason { metric, statistic, .. } in reasons.filter(|reason| !declared(&reason.metric).is_empty()) {
         let exceeded = PrimaryStatistic { metric: metric.clone(), statistic: statistic.clone() };
         if !all.contains(&exceeded) {
             let after = all.iter().rposition(|one| one.metric == exceeded.metric).map_or(all.len(), |at| at + 1);

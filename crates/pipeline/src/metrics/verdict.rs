@@ -62,6 +62,21 @@ impl Verdict {
     }
 }
 
+impl Reason {
+    /// The reason of a pose whose known result could not be read: nobody knows how good it is.
+    pub fn unscored(error: &str) -> Self {
+        Self {
+            level: Level::Doubtful,
+            metric: "truth".into(),
+            statistic: "read".into(),
+            about: None,
+            value: None,
+            limit: 0.0,
+            note: Some(format!("the pose is not scored, since its known result cannot be read: {error}")),
+        }
+    }
+}
+
 impl Level {
     /// The level for people, in a word or two.
     pub fn word(self) -> &'static str {

@@ -2,7 +2,7 @@
 
 use std::{
     fs::{self, File},
-    io,
+    io::{self, Write},
     path::Path,
 };
 
@@ -30,6 +30,16 @@ pub(super) fn remove(file: &Path) -> io::Result<()> {
         Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
         _ => Ok(()),
     }
+}
+
+/// Adds a line to a journal.
+pub(super) fn append(journal: &mut File, line: &[u8]) -> io::Result<()> {
+    if let Err(error) = fault::step() {
+        // A disk that is full takes the beginning.
+        journal.write_all(&line[..line.len() / 2])?;
+        return Err(error);
+    }
+    journal.write_all(line)
 }
 
 /// Waits until a file is on the disk.

@@ -6,7 +6,7 @@
 
 use std::{
     fs::{File, TryLockError},
-    io::{self, BufRead, BufReader, Read, Write},
+    io::{self, BufRead, BufReader, Read},
     path::{Path, PathBuf},
     time::{Duration, SystemTime, UNIX_EPOCH},
 };
@@ -100,21 +100,22 @@ const VERSION: u32 = 1;
 impl Journal {
     /// Makes the journal of a transaction that writes `places`, in `folder`; both are absolute and without links.
     pub fn create(folder: &Path, places: &[PathBuf], made: impl FnOnce(&Path)) -> io::Result<Self> {
-        let file = tempfile::Builder::new()
+        let mut file = tempfile::Builder::new()
             .prefix(names::PREFIX)
             .suffix(names::JOURNAL)
             .rand_bytes(names::IDENTITY_LETTERS)
             .tempfile_in(folder)?;
         made(file.path());
-        let (mut file, path) = file.keep().map_err(|error| error.error)?;
         // Where files cannot be locked, those of a transaction that was killed stay.
-        match file.try_lock() {
+        match file.as_file().try_lock() {
             Ok(()) | Err(TryLockError::Error(_)) => {}
             Err(TryLockError::WouldBlock) => return Err(io::ErrorKind::ResourceBusy.into()),
         }
         let started = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |time| time.as_secs());
         let places = places.iter().map(|place| Name::of(&relative(place, folder))).collect();
-        append(&mut file, &Head { mimesh_journal: VERSION, started, places })?;
+        // Until it is kept it is removed by whatever fails.
+        append(file.as_file_mut(), &Head { mimesh_journal: VERSION, started, places })?;
+        let (file, path) = file.keep().map_err(|error| error.error)?;
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         let identity = name[names::PREFIX.len()..name.len() - names::JOURNAL.len()].to_owned();
         Ok(Self { file, path, identity })
@@ -205,7 +206,7 @@ fn append(file: &mut File, line: &impl Serialize) -> io::Result<()> {
     text.push(b' ');
     text.extend(line);
     text.push(b'\n');
-    file.write_all(&text)
+    disk::append(file, &text)
 }
 
 /// The next line; `None` if there is none, or one that was cut or changed.

@@ -116,9 +116,9 @@ impl Transaction {
         let Some(journal) = &self.journal else { return Ok(()) };
         let pointer = folder.join(names::pointer(&journal.identity));
         registry::locked().add(&pointer);
-        journal::point_at(&journal.path, &pointer)?;
-        self.pointers.push(pointer);
-        Ok(())
+        // One that is not written to its end is removed too.
+        self.pointers.push(pointer.clone());
+        journal::point_at(&journal.path, &pointer)
     }
 
     /// An empty temporary file for `place`, one of those that the transaction began with, and the file to write to.
