@@ -267,3 +267,15 @@ fn a_point_cache_is_inspected_without_a_mesh() {
     let found = json(&project.mimesh(&["inspect", "out/run.pc2", "--json"]).stdout);
     assert_eq!((&found["vertices"], found["poses"].as_array().map(Vec::len)), (&289.into(), Some(3)));
 }
+
+#[test]
+fn masks_of_frames_are_refused_since_all_outside_would_stand_still() {
+    let project = project("shapes: { masks: { brow*: { parts: [top] } } }\n");
+    for command in ["check", "run"] {
+        let output = project.mimesh(&[command, "p.yaml", "--set", "source.poses_are=frames"]);
+        assert_eq!(output.status, 78, "{}", output.stderr);
+        let message =
+            "masks are for shapes, and the poses are frames of a motion: all outside of a mask would stand still";
+        assert!(output.stderr.contains(message) && output.stderr.contains("poses_are: shapes"), "{}", output.stderr);
+    }
+}

@@ -8,6 +8,7 @@
 //! [`mod@deserialize`].
 
 pub mod braces;
+pub mod cells;
 mod describe;
 pub mod deserialize;
 pub mod diagnostic;

@@ -44,7 +44,8 @@ pub fn is_glob(pattern: &str) -> bool {
 }
 
 /// The files that `pattern` stands for, in natural order (`pose-2` before `pose-10`); a path without wildcards is
-/// itself. `**` stands for folders within each other; it follows no links.
+/// itself. `**` stands for folders within each other; it follows no links. Folders are left out, while a pipe or a link to nothing counts
+/// as a file: who reads it is told what it is.
 ///
 /// # Errors
 ///
@@ -110,7 +111,8 @@ impl Search {
     /// Adds the files below `folder` that `parts` stand for.
     fn within(&mut self, folder: PathBuf, parts: &[Part<'_>]) -> Result<(), TooMany> {
         let Some((first, rest)) = parts.split_first() else {
-            if folder.is_file() {
+            // A pipe, a device or a link to nothing is found too: who reads it is told.
+            if folder.symlink_metadata().is_ok() && !folder.is_dir() {
                 self.found.push(folder);
             }
             return Ok(());
@@ -240,6 +242,16 @@ mod tests {
         assert_eq!(names(folder.path(), "pose-[0-9].*"), ["1", "2"]);
         assert_eq!(names(folder.path(), "pose-1.obj"), ["pose-1"]);
         assert!(names(folder.path(), "nothing-*.obj").is_empty());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_to_nothing_is_found_and_a_folder_is_not() {
+        let folder = tempfile::tempdir().unwrap();
+        fs::create_dir(folder.path().join("pose-1.obj")).unwrap();
+        std::os::unix::fs::symlink("nowhere", folder.path().join("pose-2.obj")).unwrap();
+        assert_eq!(names(folder.path(), "pose-*.obj"), ["2"]);
+        assert_eq!(names(folder.path(), "*/none.obj"), Vec::<String>::new());
     }
 
     #[test]

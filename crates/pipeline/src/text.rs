@@ -2,7 +2,7 @@
 
 pub use mimesh_document::limits::thousands;
 
-use std::borrow::Cow;
+use mimesh_document::cells::without_formula;
 
 /// A number with four significant digits, without an exponent where it can be avoided.
 pub fn number(value: f64) -> String {
@@ -48,13 +48,6 @@ pub fn csv(rows: &[Vec<String>]) -> String {
         }
     };
     rows.iter().map(|row| row.iter().map(quoted).collect::<Vec<_>>().join(",") + "\n").collect()
-}
-
-/// `cell` with an apostrophe before what programs for tables would compute, such as `=1+1`; names in it come from strangers' files.
-fn without_formula(cell: &str) -> Cow<'_, str> {
-    let is_formula =
-        cell.trim_start_matches(' ').starts_with(['=', '+', '-', '@', '\t', '\r', '\n', '＝', '＋', '－', '＠']);
-    if is_formula && cell.parse::<f64>().is_err() { format!("'{cell}").into() } else { cell.into() }
 }
 
 /// Rows as a table of a page, the first as its heading; columns from `numbers` on are flush right.

@@ -50,6 +50,7 @@ pub enum JobKind {
 pub struct Job {
     id: u64,
     kind: JobKind,
+    project: u64,
     began: Instant,
     /// Stops it.
     pub cancel: Cancel,
@@ -92,6 +93,8 @@ struct PosesDone {
 pub struct JobView {
     id: u64,
     kind: JobKind,
+    /// The project that it is about.
+    project: u64,
     state: JobStatus,
     stage: Option<String>,
     share: Option<f64>,
@@ -114,7 +117,7 @@ pub struct Outcome {
 
 impl Job {
     /// A job that begins now; what becomes of it is told to `tell`.
-    pub fn new(id: u64, kind: JobKind, tell: Tell) -> Self {
+    pub fn new(id: u64, kind: JobKind, project: u64, tell: Tell) -> Self {
         let began = Instant::now();
         let state = State {
             status: JobStatus::Running,
@@ -129,7 +132,7 @@ impl Job {
             result: None,
             told: None,
         };
-        Self { id, kind, began, cancel: Cancel::default(), state: Mutex::new(state), tell }
+        Self { id, kind, project, began, cancel: Cancel::default(), state: Mutex::new(state), tell }
     }
 
     /// Its number.
@@ -148,6 +151,7 @@ impl Job {
         Arc::new(JobView {
             id: self.id,
             kind: self.kind,
+            project: self.project,
             state: state.status,
             stage: state.stage.clone(),
             share: state.share,

@@ -30,7 +30,7 @@ impl Jobs {
         Self { list: Mutex::default(), next: AtomicU64::new(1), tell: Tell::new(tell) }
     }
 
-    /// Begins a job on a thread of its own.
+    /// Begins a job about `project` on a thread of its own.
     ///
     /// # Errors
     ///
@@ -38,6 +38,7 @@ impl Jobs {
     pub fn start(
         &self,
         kind: JobKind,
+        project: u64,
         work: impl FnOnce(&Job) -> Result<Outcome, ApiError> + Send + 'static,
     ) -> Result<Arc<JobView>, ApiError> {
         let mut list = self.lock();
@@ -49,7 +50,7 @@ impl Jobs {
             return Err(ApiError::new(Code::Busy, message).hint("wait until it ends, or cancel it"));
         }
         let id = self.next.fetch_add(1, Ordering::Relaxed);
-        let job = Arc::new(Job::new(id, kind, self.tell.clone()));
+        let job = Arc::new(Job::new(id, kind, project, self.tell.clone()));
         list.push_front(job.clone());
         list.truncate(REMEMBERED);
         let view = job.view();

@@ -27,7 +27,7 @@ impl Studio {
     pub fn run(self: &Arc<Self>) -> Result<Arc<JobView>> {
         let project = self.project()?;
         let studio = self.clone();
-        self.jobs.start(JobKind::Run, move |job| studio.run_all(&project, job))
+        self.jobs.start(JobKind::Run, project.number, move |job| studio.run_all(&project, job))
     }
 
     fn run_all(&self, project: &Project, job: &Job) -> Result<Outcome> {

@@ -51,7 +51,7 @@ fn total(verdict: Option<Level>, things: usize, failed: usize) -> String {
     let level = match verdict {
         None => "not measured".into(),
         Some(Level::Good) => "good".into(),
-        Some(Level::Doubtful) => format!("probably good: {look}"),
+        Some(Level::Doubtful) => format!("doubtful: {look}"),
         Some(Level::Bad) => look,
         Some(Level::Failed) => format!("a limit of yours is exceeded: {look}"),
     };
@@ -66,7 +66,7 @@ mod tests {
     fn the_total_says_how_much_there_is_to_look_at() {
         assert_eq!(total(Some(Level::Good), 0, 0), "good");
         assert_eq!(total(Some(Level::Bad), 3, 0), "look at 3 things");
-        assert_eq!(total(Some(Level::Doubtful), 1, 0), "probably good: look at 1 thing");
+        assert_eq!(total(Some(Level::Doubtful), 1, 0), "doubtful: look at 1 thing");
         assert_eq!(total(Some(Level::Good), 0, 1), "1 pose was not transferred; good");
         assert_eq!(total(None, 0, 2), "2 poses were not transferred; not measured");
     }

@@ -7,7 +7,10 @@ use std::{fmt::Write, path::Path};
 use nalgebra::Point3;
 
 use mimesh_core::mesh::MeshPoint;
-use mimesh_document::{Diagnostics, Location, Result};
+use mimesh_document::{
+    Diagnostics, Location, Result,
+    cells::{with_formula, without_formula},
+};
 
 use super::{
     columns::{Column, Columns},
@@ -83,8 +86,9 @@ pub fn write(points: &[ExportPoint]) -> String {
 /// A cell with `name`, in quotes where it has to be; a line break inside the name becomes a blank.
 fn cell(name: &str) -> String {
     let name = name.replace(|c: char| c.is_control() || c == '\u{2028}' || c == '\u{2029}', " ");
+    let name = without_formula(&name);
     let plain = name.trim() == name && !name.contains([',', ';', '"', '\t', '#']) && !name.is_empty();
-    if plain { name } else { format!("\"{}\"", name.replace('"', "\"\"")) }
+    if plain { name.into_owned() } else { format!("\"{}\"", name.replace('"', "\"\"")) }
 }
 
 /// The name and the position of the point in a line.
@@ -92,7 +96,7 @@ fn point(columns: &Columns, cells: &[String]) -> std::result::Result<(Option<Str
     check_count(columns, cells)?;
     let cell = |column| columns.cell(cells, column);
     let names = [cell(Column::Name), cell(Column::Number)];
-    let name = names.into_iter().find(|name| !name.is_empty()).map(str::to_owned);
+    let name = names.into_iter().find(|name| !name.is_empty()).map(|name| with_formula(name).to_owned());
     let position = if columns.have(&[Column::Triangle, Column::U]) {
         let triangle = index(cell(Column::Triangle), "triangle")?;
         let numbers = [f64::from(triangle), number(cell(Column::U))?, number(cell(Column::V))?];
@@ -220,6 +224,14 @@ mod tests {
         );
         assert_eq!(reported("name,x,y\na,1,2\n")[0], "1: expected the columns x, y, z or vertex, found name, x, y");
         assert_eq!(reported("nose,7.5\n")[0], "1: expected the number of a vertex, found `7.5`");
+    }
+
+    #[test]
+    fn names_are_no_formulas() {
+        let point =
+            |name: &str| ExportPoint { name: name.into(), position: Point3::origin(), point: MeshPoint::Vertex(0) };
+        assert_eq!(write(&[point("=1+1"), point("-a,b")]), "name,x,y,z\n'=1+1,0,0,0\n\"'-a,b\",0,0,0\n");
+        assert_eq!(positions("name,x,y,z\n'=1+1,0,0,0\n"), [named("=1+1", 0.0, 0.0, 0.0)]);
     }
 
     proptest! {

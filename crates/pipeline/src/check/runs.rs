@@ -24,7 +24,7 @@ use super::{
     rest_meshes::{check_inside_out, check_mirrored},
     run_diagnostics::RunDiagnostics,
     seams::{SeamCache, open_like},
-    shapes::shapes,
+    shapes::{check_masks, shapes},
     shared::SharedMeshes,
     stages::{check_files, check_marker_count, check_stages, refused},
     units,
@@ -182,6 +182,8 @@ fn prepare_one(
         check_mirrored(found_mut, source.as_deref(), target.as_deref());
     }
     let has_map = pipeline.correspondence.is_some();
+    let are = input::poses_are(pipeline.source.poses_are, &poses);
+    check_masks(scope, found_mut, pipeline.shapes.as_ref(), are);
     let (poses, shape_edits) = shapes(scope, found_mut, pipeline.shapes.as_ref(), poses, target.as_deref(), has_map);
     let truth = ground_truth(scope, found_mut, pipeline.truth.as_deref(), target.as_deref(), &poses);
     let metrics = metrics(scope, found_mut, pipeline.metrics.take(), &truth);

@@ -2,6 +2,7 @@
 
 use std::collections::{HashMap, HashSet};
 
+use mimesh_core::mesh::PosesAre;
 use mimesh_document::{At, path};
 
 use super::{
@@ -45,6 +46,22 @@ pub(super) fn shapes(
     let mut seen = HashSet::new();
     shapes.retain(|shape| seen.insert(shape.pose.name.clone()));
     shapes.into_iter().map(|shape| (shape.pose, shape.edit)).unzip()
+}
+
+/// Refuses masks for frames of a motion: all that a mask leaves out would stand still while the rest moves on.
+pub(super) fn check_masks(
+    scope: Scope<'_>,
+    found: &mut Findings,
+    settings: Option<&ShapeSettings>,
+    poses_are: PosesAre,
+) {
+    if poses_are == PosesAre::Frames && settings.is_some_and(|settings| !settings.masks.is_empty()) {
+        let message =
+            "masks are for shapes, and the poses are frames of a motion: all outside of a mask would stand still";
+        let hint =
+            "leave `masks` out; if the poses are shapes that stand alone, say `poses_are: shapes` under `source`";
+        found.wrong(scope, &path(["shapes", "masks"]), At::Key, message, hint);
+    }
 }
 
 /// The shapes that `only` and `except` leave.
