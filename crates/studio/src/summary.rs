@@ -1,7 +1,5 @@
 //! What came of a run, in a few sentences: those of the report.
 
-use std::collections::BTreeSet;
-
 use mimesh_pipeline::{
     Report,
     input::HelpCommands,
@@ -15,7 +13,7 @@ use serde::Serialize;
 pub struct Summary {
     /// The whole in a few words, e.g. `good`, or `look at 3 things`.
     total: String,
-    /// How many statistics are above their limits in some pose.
+    /// How many faults there are.
     things: usize,
     /// What each metric finds wrong, the worst first.
     faults: Vec<Fault>,
@@ -26,20 +24,26 @@ pub struct Summary {
 #[derive(Clone, Debug, Serialize)]
 struct Fault {
     metric: String,
-    sentence: &'static str,
+    sentence: String,
 }
 
 impl Summary {
     /// The summary of `report`; `help` are the commands that it names.
     pub fn new(report: &Report, help: &HelpCommands) -> Self {
-        let reasons = report.verdicts().flat_map(|verdict| &verdict.reasons);
-        let things: BTreeSet<_> = reasons.map(|reason| (&reason.metric, &reason.statistic)).collect();
         let failed = report.poses.iter().filter(|pose| pose.error.is_some()).count();
-        let faults = faults(report.verdicts()).into_iter().map(|(metric, sentence)| Fault { metric, sentence });
+        let of_metrics = faults(report.verdicts()).into_iter();
+        let mut faults: Vec<Fault> =
+            of_metrics.map(|(metric, sentence)| Fault { metric, sentence: sentence.into() }).collect();
+        // What no metric has a sentence for says it by itself.
+        for reason in report.verdicts().flat_map(|verdict| &verdict.reasons) {
+            if faults.iter().all(|fault| fault.metric != reason.metric) {
+                faults.push(Fault { metric: reason.metric.clone(), sentence: reason.words() });
+            }
+        }
         Self {
-            total: total(report.verdict, things.len(), failed),
-            things: things.len(),
-            faults: faults.collect(),
+            total: total(report.verdict, faults.len(), failed),
+            things: faults.len(),
+            faults,
             next_steps: next_steps(report, help),
         }
     }
