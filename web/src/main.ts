@@ -2,11 +2,19 @@ import './styles/page.css';
 import { mount } from './app/shell.ts';
 import { Studio } from './app/studio.ts';
 import { h } from './ui/dom.ts';
+import { notify } from './ui/notices.ts';
+import { onEffectError } from './ui/signal.ts';
 
 const root = document.getElementById('app');
 if (!root) throw new Error('the page has no element #app');
 
 try {
+  onEffectError((error) => {
+    console.error(error);
+    const reason = error instanceof Error ? error.message : String(error);
+    const hint = `What is saved is safe. Reload the page. The reason: ${reason}`;
+    notify('A part of the page could not be updated.', hint, 'error', 'page');
+  });
   const studio = new Studio();
   const stage = mount(root, studio);
   studio.start();

@@ -180,10 +180,38 @@ test('each kind of mask has a name of its own, overwriting asks, and a saved one
   await page.waitForFunction(() => document.querySelectorAll('.masks .link').length === 2);
   await page.click('text=Use in the pipeline');
   await page.waitForFunction(() => window.mimesh.studio.pipeline.pipeline.peek().value.transfer.rigid?.length === 1);
-  await page.click('.masks .link >> text=weights');
+  await page.close();
+});
+
+test('masks are for shapes: a source of frames is told so before painting, and one of shapes takes them', {
+  skip: !mocked,
+}, async () => {
+  const frames = await studio.open();
+  await frames.click('#tab-paint');
+  await frames.waitForSelector('.mask-note:visible');
+  await frames.selectOption('.paint select >> nth=0', 'components');
+  assert.equal(await frames.locator('.mask-note:visible').count(), 0);
+  await frames.selectOption('.paint select >> nth=0', 'weights');
+  await frames.click('text=Fill');
+  await frames.fill('[aria-label="Save"] input[maxlength="60"]', 'of-frames');
+  await frames.click('[aria-label="Save"] .primary');
+  await frames.waitForSelector('.use .button');
+  assert.ok(await frames.isDisabled('.use .button'));
+  // What is undone of the brush is said.
+  await frames.keyboard.press('Control+z');
+  await frames.waitForFunction(() => /stroke/.test(document.querySelector('.view-bar .notice-text').textContent));
+  await frames.close();
+
+  const own = await serve({ resolution: 50, shapes: true });
+  const page = await openPage(studio.browser, own.url);
+  await page.click('#tab-paint');
+  assert.equal(await page.locator('.mask-note:visible').count(), 0);
+  await page.click('text=Fill');
+  await page.click('[aria-label="Save"] .primary');
   await page.click('text=Use in the pipeline');
   await page.waitForFunction(() => window.mimesh.studio.pipeline.pipeline.peek().value.shapes?.masks['*']);
   await page.close();
+  await own.close();
 });
 
 test('a run has sentences, its places are pointed at, and it is out of date after a change', {

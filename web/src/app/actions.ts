@@ -1,9 +1,9 @@
 import { openMirrorDialog } from '../markers/mirror.ts';
-import { doubtfulFirst, matches, neighbour, pairTitle } from '../markers/order.ts';
-import { api, describeError } from '../protocol/client.ts';
+import { doubtfulFirst, matches, needOf, neighbour, pairTitle, readableIn } from '../markers/order.ts';
+import { api, describeError, sentence } from '../protocol/client.ts';
 import type { Pair, Status } from '../protocol/types.ts';
-import { notify } from '../ui/notices.ts';
-import { computed, flush, signal } from '../ui/signal.ts';
+import { notify, settle } from '../ui/notices.ts';
+import { computed, effect, flush, signal } from '../ui/signal.ts';
 import type { Stage } from '../views/stage.ts';
 import type { Studio } from './studio.ts';
 
@@ -14,6 +14,8 @@ export class Actions {
   /** The pairs as the list shows them. */
   readonly listed: { readonly value: Pair[] };
   nameField: HTMLInputElement | null = null;
+  /** The pair that the last reason was about. */
+  private readonly reasonOf = signal<number | null>(null);
   private readonly studio: Studio;
   private readonly stage: Stage;
 
@@ -23,6 +25,14 @@ export class Actions {
     this.listed = computed(() => {
       const found = studio.markers.pairs.value.filter((pair) => matches(pair, this.search.value));
       return this.order.value === 'doubtful' ? doubtfulFirst(found) : found;
+    });
+    // Why a pair was shown holds no more once it is checked, or another one is selected.
+    effect(() => {
+      const id = this.reasonOf.value;
+      const pair = studio.markers.pairs.value.find((other) => other.id === id);
+      if (id === null || (studio.selected.value === id && pair && needOf(pair) !== 'none')) return;
+      this.reasonOf.value = null;
+      settle('next');
     });
   }
 
@@ -45,7 +55,8 @@ export class Actions {
       const next = await api.next(this.studio.selected.peek());
       this.studio.selected.value = next.pair;
       this.stage.flyToPoints(next.source, next.target);
-      notify(next.reason, null, 'info', 'next');
+      this.reasonOf.value = next.pair;
+      notify(readableIn(sentence(next.reason)), null, 'info', 'next');
     } catch (error) {
       const { message, hint } = describeError(error);
       notify(message, hint, 'error');
@@ -75,7 +86,9 @@ export class Actions {
   rename(name: string): void {
     const pair = this.studio.markers.pair(this.studio.selected.peek());
     const given = name.trim() || null;
-    if (pair && given !== pair.name) this.studio.markers.edit({ op: 'rename', pair: pair.id, name: given });
+    // The field shows the title of a pair whose name comes from a stage.
+    if (pair && given !== pair.name && name !== pairTitle(pair))
+      this.studio.markers.edit({ op: 'rename', pair: pair.id, name: given });
   }
 
   editName(): void {

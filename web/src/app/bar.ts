@@ -1,3 +1,4 @@
+import { readableIn } from '../markers/order.ts';
 import { runControl } from '../stages/run.ts';
 import { button } from '../ui/controls.ts';
 import { fill, h } from '../ui/dom.ts';
@@ -53,7 +54,7 @@ function undoButton(studio: Studio, redo: boolean): HTMLElement {
   });
   effect(() => {
     const step = due();
-    element.title = `${label}${step ? `: ${step.title}` : ''} (${keys})`;
+    element.title = `${label}${step ? `: ${readableIn(step.title)}` : ''} (${keys})`;
   });
   return element;
 }
@@ -65,7 +66,7 @@ function saveState(studio: Studio): HTMLElement {
     const [level, text] = describe(studio);
     element.dataset.level = level;
     element.textContent = text;
-    element.title = [studio.pipeline.pipeline.value?.file, studio.markers.document.value.file]
+    element.title = [text, studio.pipeline.pipeline.value?.file, studio.markers.document.value.file]
       .filter(Boolean)
       .join('\n');
   });
@@ -86,5 +87,7 @@ function describe(studio: Studio): ['good' | 'busy' | 'bad', string] {
   if (disk === 'changed_elsewhere') return ['bad', 'The file was changed by another program'];
   if (waiting > 0 || studio.pipeline.saving.value) return ['busy', 'Saving …'];
   if (!pipeline?.exists) return ['busy', 'Not written yet'];
-  return exists || pairs.length === 0 ? ['good', 'Saved'] : ['busy', 'Settings saved, proposals not yet'];
+  return exists || pairs.length === 0
+    ? ['good', 'Saved']
+    : ['busy', 'Proposed points are saved once you confirm or move one'];
 }

@@ -32,9 +32,11 @@ export function makeCommands(
     command('Points', 'rename', 'Rename', ['r', 'f2'], () => actions.editName()),
     command('Points', 'delete', 'Delete', ['delete', 'backspace'], () => actions.remove()),
     command('Points', 'mirror', 'Mirror across a plane', ['m'], () => actions.mirror()),
-    command('Points', 'undo', 'Undo', ['mod+z'], () => (painting() ? painter.undo() : void studio.history.step(false))),
+    command('Points', 'undo', 'Undo', ['mod+z'], () =>
+      painting() ? painter.step(false) : void studio.history.step(false),
+    ),
     command('Points', 'redo', 'Redo', ['mod+shift+z', 'mod+y'], () =>
-      painting() ? painter.redo() : void studio.history.step(true),
+      painting() ? painter.step(true) : void studio.history.step(true),
     ),
     command('Points', 'letgo', 'Let go of the selected pair', ['escape'], () => letGo(studio)),
     command('View', 'fly', 'Fly to the selected pair', ['f'], () => actions.flyTo(studio.selected.peek())),

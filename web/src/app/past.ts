@@ -1,7 +1,9 @@
+import { readableIn } from '../markers/order.ts';
+
 /** What a step did, in the past: `move nose` was `moved nose`. */
 export function past(step: string): string {
   const [verb, ...rest] = step.split(' ');
-  return [PAST[verb] ?? verb, ...rest].join(' ');
+  return readableIn([PAST[verb] ?? verb, ...rest].join(' '));
 }
 
 const PAST: Record<string, string> = {

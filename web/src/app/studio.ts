@@ -5,10 +5,13 @@ import { floats, words } from '../protocol/container.ts';
 import { Socket } from '../protocol/socket.ts';
 import type { FromServer, Job, OpenRequest, Point, Session, Side } from '../protocol/types.ts';
 import { PipelineStore } from '../stages/store.ts';
+import { FileChoice } from '../start/choice.ts';
 import { rememberRecent } from '../start/recent.ts';
 import { clearNotices, notify, settle } from '../ui/notices.ts';
 import { effect, signal } from '../ui/signal.ts';
 import type { MeshData } from '../viewer/surface.ts';
+import { follows } from './jobs.ts';
+import { Runs } from './runs.ts';
 import { Undo } from './undo.ts';
 
 export type Phase =
@@ -37,10 +40,13 @@ export class Studio {
   readonly markers = new MarkerStore();
   readonly pipeline = new PipelineStore();
   readonly history = new Undo(this);
+  readonly files = new FileChoice();
   readonly phase = signal<Phase>({ name: 'loading', text: 'Connecting …' });
   readonly session = signal<Session | null>(null);
   readonly meshes = signal<Meshes | null>(null);
   readonly jobs = signal<Job[]>([]);
+  /** Which run belongs to which project. */
+  readonly runs = new Runs(this);
   /** Whether the server is there but does not know this page. */
   readonly refused = signal(false);
   readonly panel = signal<Panel>('points');
@@ -81,8 +87,12 @@ export class Studio {
     try {
       await this.show(await api.open(what));
       rememberRecent(what);
+      this.files.reset();
     } catch (error) {
-      this.phase.value = { name: 'failed', ...describeError(error) };
+      const failure = describeError(error);
+      const { message, hint, diagnostics } = failure;
+      this.files.dropNamedIn([message, hint, ...diagnostics.flatMap((one) => [one.file, one.message])].join(' '));
+      this.phase.value = { name: 'failed', ...failure };
     }
   }
 
@@ -180,6 +190,7 @@ export class Studio {
       await this.show(await api.session());
       this.markers.reopen(await api.markers());
       this.pipeline.open(await api.pipeline());
+      this.jobs.value = await api.jobs();
       this.live.reconnect();
       settle('connection');
     } catch (error) {
@@ -231,13 +242,29 @@ export class Studio {
     }
   }
 
+  /** A run writes the files of the project that were not there yet, which the server does not announce. */
+  private async readFiles(): Promise<void> {
+    const project = this.session.peek()?.project;
+    try {
+      const [pipeline, markers] = await Promise.all([api.pipeline(), api.markers()]);
+      if (project !== this.session.peek()?.project) return;
+      this.pipeline.receive(pipeline);
+      this.markers.receive(markers);
+    } catch {
+      // The next change brings both.
+    }
+  }
+
   private setJob(job: Job): void {
+    this.runs.note(job);
     const before = this.jobs.peek().find((other) => other.id === job.id);
+    if (!follows(job, before)) return;
     const others = this.jobs.peek().filter((other) => other.id !== job.id);
     this.jobs.value = [job, ...others].sort((a, b) => b.id - a.id);
     if (before?.state === job.state) return;
     if (job.state === 'failed') notify(sentence(job.error?.message ?? 'it failed'), job.error?.hint, 'error', job.kind);
     if (job.state !== 'done') return;
+    if (job.kind === 'run') void this.readFiles();
     const total = job.result?.summary.total;
     notify(job.kind === 'run' ? `The run is done: ${total}.` : 'New proposals are there.', null, 'info', job.kind);
   }

@@ -2,35 +2,55 @@ import type { Studio } from '../app/studio.ts';
 import type { Clip, Step } from '../protocol/types.ts';
 import { select } from '../ui/controls.ts';
 import { h } from '../ui/dom.ts';
-import { effect } from '../ui/signal.ts';
+import { effect, signal } from '../ui/signal.ts';
+import { readStored, writeStored } from '../ui/storage.ts';
 import { chosenClip, clipSetting } from './clip.ts';
 
 const SEVERAL = '*';
 const SHAPES = '';
 
+/** Sources that have shapes, over a reload too. */
+const withShapes = signal<ReadonlySet<string>>(new Set(readStored<string[]>('with-shapes', [])));
+effect(() => writeStored('with-shapes', [...withShapes.value].slice(-50)));
+
 /** The clips of the source's file, where it holds several; another one becomes `source.poses` of the pipeline. */
 export function clipChoice(studio: Studio): HTMLElement {
   const clips = () => studio.session.value?.poses?.clips ?? [];
   const shapes = () => studio.session.value?.poses?.are === 'shapes';
+  // Once a clip is chosen, the session no longer says that the file has shapes.
+  const hadShapes = () => withShapes.value.has(fileOf(studio));
+  effect(() => {
+    if (shapes() && !hadShapes()) withShapes.value = new Set([...withShapes.value, fileOf(studio)]);
+  });
+  const options = () => [
+    ...(shapes() || hadShapes() ? [{ value: SHAPES, label: 'Shapes' }] : []),
+    ...(present() === SEVERAL ? [{ value: SEVERAL, label: 'Several clips' }] : []),
+    ...clips().map((clip) => ({ value: clip.name, label: describe(clip) })),
+  ];
   const present = () => chosenClip(studio.session.value?.poses ?? null);
   const choice = select<string>({
     label: 'Clip',
-    options: () => [
-      ...(shapes() ? [{ value: SHAPES, label: 'Shapes' }] : []),
-      ...(present() === SEVERAL ? [{ value: SEVERAL, label: 'Several clips' }] : []),
-      ...clips().map((clip) => ({ value: clip.name, label: describe(clip) })),
-    ],
+    options,
     value: () => present() ?? SHAPES,
     change: (name) => {
+      if (name === SHAPES) return void studio.pipeline.unset(['source', 'poses']);
       const { path, value } = clipSetting(studio.pipeline.pipeline.peek()?.value, name);
       void studio.pipeline.set(path as Step[], value);
     },
   });
   const element = h('span', { class: 'clip-choice', title: 'The clip whose motion is carried over' }, choice);
   effect(() => {
-    element.hidden = clips().length < (shapes() ? 1 : 2);
+    // With nothing to choose the box would be empty or a riddle.
+    element.hidden = options().length < 2;
+    element.title = `The clip whose motion is carried over: ${options().find(({ value }) => value === (present() ?? SHAPES))?.label ?? 'none'}`;
   });
   return element;
+}
+
+/** The source, by which it is known again when a clip of it is chosen. */
+function fileOf(studio: Studio): string {
+  const source = studio.session.value?.source;
+  return `${source?.file} ${source?.vertices}`;
 }
 
 function describe({ name, seconds, frames }: Clip): string {

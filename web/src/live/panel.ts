@@ -95,7 +95,7 @@ function worstOfRun(studio: Studio, stage: Stage): HTMLElement {
   const title = 'Worst places of the run';
   const element = h('section', { class: 'block', 'aria-label': title }, h('h3', {}, title), list);
   effect(() => {
-    const worst = studio.jobs.value.find((job) => job.kind === 'run')?.result?.worst ?? [];
+    const worst = studio.runs.last()?.result?.worst ?? [];
     element.hidden = worst.length === 0;
     fill(list, ...worstEntries(studio, stage, worst, MOST));
   });

@@ -1,4 +1,5 @@
 import type { Studio } from '../app/studio.ts';
+import { readableIn } from '../markers/order.ts';
 import type { Worst } from '../protocol/types.ts';
 import { h } from '../ui/dom.ts';
 import { effect } from '../ui/signal.ts';
@@ -35,7 +36,7 @@ export function worstEntries(studio: Studio, stage: Stage, list: readonly Worst[
 }
 
 function worstEntry(studio: Studio, stage: Stage, worst: Worst, short = false): HTMLElement {
-  const place = [worst.about, worst.pose_name].filter(Boolean).join(' · ');
+  const place = readableIn([worst.about, worst.pose_name].filter(Boolean).join(' · '));
   const value = worst.value === null ? 'not measured' : `${formatNumber(worst.value)} ${worst.unit}`;
   const limit = worst.limit === null ? '' : `, limit ${formatNumber(worst.limit)} ${worst.unit}`;
   return h(

@@ -4,7 +4,7 @@ import type { Pair, Point } from '../protocol/types.ts';
 import { button } from '../ui/controls.ts';
 import { fill, h, uniqueId } from '../ui/dom.ts';
 import { effect } from '../ui/signal.ts';
-import { needOf, pairTitle } from './order.ts';
+import { needOf, pairTitle, readableIn } from './order.ts';
 
 /** The selected pair: its name, its points, and what can be done with it. Its height never changes. */
 export function pairDetail(studio: Studio, actions: Actions): HTMLElement {
@@ -66,11 +66,12 @@ export function pairDetail(studio: Studio, actions: Actions): HTMLElement {
     none.hidden = pair !== null;
     body.hidden = pair === null;
     if (!pair) return;
-    if (document.activeElement !== name) name.value = pair.name ?? '';
+    if (document.activeElement !== name) name.value = pair.name === null ? '' : pairTitle(pair);
     name.placeholder = pairTitle(pair);
     fill(facts, ...factsOf(pair));
     const found = studio.markers.document.value.problems.find((other) => other.pair === pair.id);
-    problem.textContent = found ? [found.message, found.hint].filter(Boolean).join('. ') : '';
+    problem.textContent = found ? readableIn([found.message, found.hint].filter(Boolean).join('. ')) : '';
+    problem.title = problem.textContent;
   });
   return element;
 }

@@ -6,7 +6,7 @@ import { fill, h } from '../ui/dom.ts';
 import { icon } from '../ui/icons.ts';
 import { effect } from '../ui/signal.ts';
 import { pairColour } from './colours.ts';
-import { needOf, pairTitle } from './order.ts';
+import { needOf, pairTitle, percentOf } from './order.ts';
 
 /** The list of pairs, with what is to be done about them. */
 export function pairList(studio: Studio, actions: Actions): HTMLElement {
@@ -49,15 +49,27 @@ function head(studio: Studio, actions: Actions): HTMLElement {
     const { checked, all } = share();
     count.textContent = all === 0 ? 'No pairs yet' : `${checked} of ${all} pairs checked`;
   });
+  const next = button({ label: 'Next', keys: 'G', icon: 'target', kind: 'primary', run: () => void actions.next() });
+  const run = button({
+    label: 'Run',
+    kind: 'primary',
+    icon: 'play',
+    run: () => void studio.run(),
+    disabled: () => studio.jobs.value.some((job) => job.state === 'running'),
+  });
+  const done = h('p', { class: 'hint all-checked', role: 'status' });
+  effect(() => {
+    const { checked, all } = share();
+    const isDone = all > 0 && checked === all;
+    next.hidden = isDone;
+    run.hidden = !isDone;
+    done.textContent = isDone ? 'All pairs are checked. Run writes the result.' : '';
+  });
   return h(
     'div',
     { class: 'points-head' },
-    h(
-      'div',
-      { class: 'row' },
-      count,
-      button({ label: 'Next', keys: 'G', icon: 'target', kind: 'primary', run: () => void actions.next() }),
-    ),
+    h('div', { class: 'row' }, count, next, run),
+    done,
     progressBar('Pairs checked', () => {
       const { checked, all } = share();
       return all === 0 ? 0 : checked / all;
@@ -169,6 +181,6 @@ function stateOf(pair: Pair): (Node | string)[] {
   const need = needOf(pair);
   if (need === 'partner') return [pair.source ? 'No target point' : 'No source point'];
   if (need === 'none') return [icon('check'), 'Checked'];
-  const percent = pair.confidence === null ? 'Proposed' : `${Math.round(pair.confidence * 100)} % sure`;
+  const percent = pair.confidence === null ? 'Proposed' : `${percentOf(pair)} % sure`;
   return [percent];
 }

@@ -3,7 +3,8 @@ import type { Pair } from '../protocol/types.ts';
 /** What a person has to do about a pair. */
 export type Need = 'partner' | 'doubtful' | 'proposed' | 'none';
 
-const DOUBTFUL_BELOW = 0.5;
+/** In percent, as people read it: two pairs that read `50 % sure` look alike. */
+const DOUBTFUL_BELOW = 50;
 
 /** Parts of bodies, as stages that find points by shape call them. */
 const STAGE_NAMES = new Set(['limb', 'place', 'between']);
@@ -12,7 +13,12 @@ export function needOf(pair: Pair): Need {
   if (pair.status === 'skipped') return 'none';
   if (!pair.source || !pair.target) return 'partner';
   if (pair.status === 'confirmed') return 'none';
-  return (pair.confidence ?? 0) < DOUBTFUL_BELOW ? 'doubtful' : 'proposed';
+  return percentOf(pair) < DOUBTFUL_BELOW ? 'doubtful' : 'proposed';
+}
+
+/** How sure a proposal is, in whole percent. */
+export function percentOf(pair: Pair): number {
+  return Math.round((pair.confidence ?? 0) * 100);
 }
 
 /** Pairs that need a person first, the least sure before others; then confirmed ones in their order, then skipped ones. */
@@ -40,6 +46,13 @@ export function matches(pair: Pair, search: string): boolean {
 
 export function pairTitle(pair: Pair): string {
   return pair.name === null ? `Point ${pair.number}` : readable(pair.name);
+}
+
+const STAGE_NAME = /\b(?:limb|place|between)\d*-\d+\b/g;
+
+/** A sentence in which names that stages give stand as the list shows them. */
+export function readableIn(text: string): string {
+  return text.replace(STAGE_NAME, readable);
 }
 
 /** Names that stages give, for people: `limb2-1` is the first point of a limb. Other names are as they are. */

@@ -4,7 +4,7 @@ import { floats } from '../protocol/container.ts';
 import type { Mask, Side } from '../protocol/types.ts';
 import { h } from '../ui/dom.ts';
 import { notify } from '../ui/notices.ts';
-import { effect, flush, signal } from '../ui/signal.ts';
+import { computed, effect, flush, signal } from '../ui/signal.ts';
 import type { Pane } from '../views/pane.ts';
 import type { PaneTool } from '../views/pointer.ts';
 import type { Stage } from '../views/stage.ts';
@@ -25,6 +25,8 @@ export class Painter implements PaneTool {
   readonly unsaved = signal(false);
   /** The file that holds what is painted, or held it before the last strokes. */
   readonly saved = signal<Mask | null>(null);
+  /** Whether the pipeline can take a mask: its poses are shapes. */
+  readonly takesMasks: { readonly value: boolean };
   private readonly studio: Studio;
   private readonly stage: Stage;
   private readonly ring = h('div', { class: 'brush-ring' });
@@ -33,6 +35,7 @@ export class Painter implements PaneTool {
   constructor(studio: Studio, stage: Stage) {
     this.studio = studio;
     this.stage = stage;
+    this.takesMasks = computed(() => studio.session.value?.poses?.are === 'shapes');
     effect(() => {
       const on = studio.panel.value === 'paint';
       stage.tool.value = on ? this : stage.markerTool;
@@ -77,7 +80,8 @@ export class Painter implements PaneTool {
   release(): void {}
 
   cancel(): void {
-    this.undo();
+    this.mask.undo();
+    this.changed();
   }
 
   click(pane: Pane, x: number, y: number): void {
@@ -104,14 +108,17 @@ export class Painter implements PaneTool {
     this.show(this.studio.panel.peek() === 'paint');
   }
 
-  undo(): void {
-    this.mask.undo();
-    this.changed();
-  }
-
-  redo(): void {
-    this.mask.redo();
-    this.changed();
+  /** Takes back a stroke of the brush, or makes it again, and says so. */
+  step(redo: boolean): void {
+    const can = redo ? this.mask.canRedo : this.mask.canUndo;
+    if (can) {
+      if (redo) this.mask.redo();
+      else this.mask.undo();
+      this.changed();
+    }
+    const done = redo ? 'Painted the stroke again.' : 'Undid a stroke of the brush.';
+    const nothing = redo ? 'There is no stroke to paint again.' : 'There is no stroke to undo.';
+    notify(can ? done : nothing, null, 'info', 'undo');
   }
 
   /** Saves what is painted. Whether a file of that name is there that is another mask than this one, so that a person must be asked. */

@@ -69,6 +69,7 @@ export function paintPanel(studio: Studio, painter: Painter): HTMLElement {
     'div',
     { class: 'panel-page paint' },
     whatToPaint(studio, painter),
+    maskNote(painter),
     brush,
     components,
     saving(studio, painter),
@@ -103,6 +104,20 @@ function whatToPaint(studio: Studio, painter: Painter): HTMLElement {
       },
     }),
   );
+}
+
+/** Masks that no pipeline can use are announced before somebody paints one. */
+function maskNote(painter: Painter): HTMLElement {
+  const element = h(
+    'p',
+    { class: 'doubt block mask-note', role: 'status' },
+    'The poses of this source are frames of a clip, and masks are for shapes alone. ',
+    'You can paint and save a mask, but this pipeline cannot use it.',
+  );
+  effect(() => {
+    element.hidden = painter.kind.value !== 'weights' || painter.takesMasks.value;
+  });
+  return element;
 }
 
 function setErase(painter: Painter, erases: boolean): void {

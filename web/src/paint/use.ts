@@ -11,26 +11,21 @@ export function useOf(studio: Studio, painter: Painter, mask: Mask): HTMLElement
   if (mask.side !== 'target') {
     return [h('p', { class: 'hint' }, 'Pipelines take masks of the target. This one is for your own programs.')];
   }
-  return mask.kind === 'weights' ? useWeights(studio, mask) : useComponents(studio, painter);
+  return mask.kind === 'weights' ? useWeights(studio, painter, mask) : useComponents(studio, painter);
 }
 
-function useWeights(studio: Studio, mask: Mask): HTMLElement[] {
+function useWeights(studio: Studio, painter: Painter, mask: Mask): HTMLElement[] {
   const id = uniqueId('pattern');
-  const shapes = studio.session.peek()?.poses?.are === 'shapes';
   const pattern = h('input', { id, type: 'text', value: '*', spellcheck: 'false' });
   return [
     h('div', { class: 'field-row' }, h('label', { for: id }, 'For the shapes'), pattern),
-    h(
-      'p',
-      { class: 'hint' },
-      'A name, or a pattern such as jaw*; * is all of them. ',
-      shapes ? '' : 'The poses of this source are frames of a clip, and masks are for shapes alone.',
-    ),
+    h('p', { class: 'hint' }, 'A name, or a pattern such as jaw*; * is all of them.'),
     h(
       'div',
       { class: 'row' },
       button({
         label: 'Use in the pipeline',
+        disabled: () => !painter.takesMasks.value,
         run: () =>
           void put(studio, maskSetting(studio.pipeline.pipeline.peek()?.value, pattern.value.trim() || '*', mask.file)),
       }),

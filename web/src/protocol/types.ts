@@ -270,6 +270,8 @@ export interface Pipeline {
 export interface Job {
   id: number;
   kind: 'propose' | 'run';
+  /** The project that it is about. */
+  project: number;
   state: 'running' | 'done' | 'failed' | 'cancelled';
   stage: string | null;
   share: number | null;

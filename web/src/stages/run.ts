@@ -63,18 +63,16 @@ export function runReport(studio: Studio, show: (worst: Worst) => void): HTMLEle
   const body = h('div', { class: 'run-body' });
   const old = h('p', { class: 'doubt outdated', role: 'status' });
   const element = h('section', { class: 'block', 'aria-label': 'Last run' }, h('h3', {}, 'Last run'), old, body);
-  const last = () => studio.jobs.value.find((other) => other.kind === 'run');
+  const last = () => studio.runs.last();
   effect(() => {
     const job = last();
     element.hidden = !job || job.state === 'running';
     if (job) fill(body, ...reportOf(job, show));
   });
   effect(() => {
-    const of = last()?.result?.of;
-    const { markers, pipeline } = studio.live.revisions.value;
-    const project = studio.session.value?.project;
-    old.hidden = !of || (of.project === project && of.markers === markers && of.pipeline === pipeline);
-    old.textContent = old.hidden ? '' : 'Out of date: points or settings have changed since. Run again.';
+    const job = last();
+    old.hidden = job === null || job.state === 'running' || !studio.runs.isOutdated(job);
+    old.textContent = old.hidden ? '' : 'Out of date: points or settings have changed since this run. Run again.';
   });
   return element;
 }

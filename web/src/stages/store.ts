@@ -17,13 +17,13 @@ export class PipelineStore {
   /** The pipeline of another project, or of a server that was started anew: its revisions are not those from before. */
   open(pipeline: Pipeline): void {
     this.conflict.value = null;
-    this.pipeline.value = pipeline;
+    this.pipeline.value = complete(pipeline);
   }
 
   receive(pipeline: Pipeline): void {
     const present = this.pipeline.peek();
     if (present && pipeline.revision < present.revision) return;
-    this.pipeline.value = pipeline;
+    this.pipeline.value = complete(pipeline);
   }
 
   set(path: Step[], value: unknown): Promise<void> {
@@ -82,6 +82,12 @@ export class PipelineStore {
     const { message, hint } = describeError(error);
     notify(message, hint, 'error', TOPIC);
   }
+}
+
+/** While the first check of a pipeline is under way, the server knows no choices and outputs yet. */
+function complete(pipeline: Pipeline): Pipeline {
+  const { choices, diagnostics, outputs } = pipeline as Partial<Pipeline>;
+  return { ...pipeline, choices: choices ?? [], diagnostics: diagnostics ?? [], outputs: outputs ?? [] };
 }
 
 function isConflict(body: unknown): body is { conflict: Pipeline } {

@@ -1,22 +1,20 @@
 import type { Studio } from '../app/studio.ts';
-import type { OpenRequest } from '../protocol/types.ts';
+import type { OpenRequest, Side } from '../protocol/types.ts';
 import { button } from '../ui/controls.ts';
 import { h } from '../ui/dom.ts';
 import { icon } from '../ui/icons.ts';
 import { noticeLine } from '../ui/notices.ts';
 import { effect, signal } from '../ui/signal.ts';
 import { fileBrowser } from './browser.ts';
+import { type FileChoice, fileName } from './choice.ts';
 import { dropArea } from './drop.ts';
 import { recentProjects } from './recent.ts';
 
 /** The choice of files: two meshes, or a pipeline. */
 export function startPage(studio: Studio): HTMLElement {
-  const source = signal<string | null>(null);
-  const target = signal<string | null>(null);
-  const choose = (path: string) => {
-    if (source.peek() === null) source.value = path;
-    else target.value = path;
-  };
+  const { files } = studio;
+  const { source, target } = files;
+  const choose = (path: string) => files.choose(path);
   const refresh = signal(0);
   return h(
     'div',
@@ -25,14 +23,20 @@ export function startPage(studio: Studio): HTMLElement {
       'div',
       { class: 'start-head' },
       h('h1', {}, 'Carry the poses of one mesh over to another'),
-      h('p', {}, 'Choose a source that moves and a target that should move like it. Or open a pipeline.'),
+      h(
+        'p',
+        {},
+        'Choose a source that moves and a target that should move like it. Or open a pipeline. ',
+        'A click on a box chooses which one the next file fills.',
+      ),
       noticeLine(),
     ),
     h(
       'div',
       { class: 'slots' },
-      slot('Source', 'the mesh with poses', source),
-      slot('Target', 'the mesh that takes them', target),
+      slot(files, 'source', 'the mesh with poses'),
+      h('span', { class: 'swap' }, button({ label: 'Swap', icon: 'swap', bare: true, run: () => files.swap() })),
+      slot(files, 'target', 'the mesh that takes them'),
       button({
         label: 'Open',
         kind: 'primary',
@@ -75,25 +79,36 @@ function sameFile(source: { value: string | null }, target: { value: string | nu
   return element;
 }
 
-function slot(title: string, hint: string, path: { value: string | null }): HTMLElement {
+/** The box of a side: a click makes it the one that the next file fills. */
+function slot(files: FileChoice, side: Side, hint: string): HTMLElement {
+  const title = side === 'source' ? 'Source' : 'Target';
+  const path = files[side];
   const name = h('span', { class: 'slot-name' });
   const clear = button({
     label: `Clear ${title.toLowerCase()}`,
     icon: 'close',
     bare: true,
-    run: () => {
-      path.value = null;
-    },
+    run: () => files.clear(side),
   });
-  const element = h(
-    'div',
-    { class: 'slot', role: 'group', 'aria-label': title },
+  const choice = h(
+    'button',
+    {
+      type: 'button',
+      class: 'slot-choice',
+      onclick: () => {
+        files.next.value = side;
+      },
+    },
     h('span', { class: 'slot-title' }, title),
     name,
-    clear,
   );
+  const element = h('div', { class: 'slot', role: 'group', 'aria-label': title }, choice, clear);
   effect(() => {
+    const isNext = files.next.value === side;
     element.classList.toggle('filled', path.value !== null);
+    element.classList.toggle('next', isNext);
+    choice.setAttribute('aria-pressed', String(isNext));
+    choice.title = isNext ? 'The next file comes here' : `Click to choose another file for the ${side}`;
     name.textContent = path.value ? fileName(path.value) : hint;
     name.title = path.value ?? '';
     clear.hidden = path.value === null;
@@ -135,8 +150,4 @@ function resume(studio: Studio): HTMLElement | null {
 function titleOf(what: OpenRequest): string {
   if ('pipeline' in what) return fileName(what.pipeline);
   return `${fileName(what.source)} → ${fileName(what.target)}`;
-}
-
-export function fileName(path: string): string {
-  return path.split(/[\\/]/).pop() ?? path;
 }

@@ -37,6 +37,7 @@ const PATHS = {
   columns3: 'M3 5h18v14H3zM9 5v14M15 5v14',
   list: 'M8 6h12M8 12h12M8 18h12M4 6v.01M4 12v.01M4 18v.01',
   chevron: 'm9 6 6 6-6 6',
+  swap: 'M4 9h15l-4-4M20 15H5l4 4',
   up: 'm6 15 6-6 6 6',
 } as const;
 

@@ -13,6 +13,9 @@ interface Observer {
 
 const MOST_ROUNDS = 100;
 
+/** Hears of effects that threw; the page shows it to the person. */
+let report: (error: unknown) => void = (error) => console.error(error);
+
 let current: Observer | null = null;
 let queue: Set<Observer> | null = null;
 
@@ -93,7 +96,21 @@ export function flush(): void {
     const due = queue;
     queue = null;
     if (round === MOST_ROUNDS) throw new Error('effects set each other off without an end');
-    for (const observer of due) execute(observer);
+    for (const observer of due) attempt(observer);
+  }
+}
+
+/** Says who hears of effects that threw. */
+export function onEffectError(listener: (error: unknown) => void): void {
+  report = listener;
+}
+
+/** One effect that throws does not keep the others from running. It runs again when something that it had read changes. */
+function attempt(observer: Observer): void {
+  try {
+    execute(observer);
+  } catch (error) {
+    report(error);
   }
 }
 

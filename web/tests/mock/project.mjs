@@ -17,11 +17,18 @@ output: [out/camel.glb, out/report.html]
 `;
 
 export class Project {
-  constructor(number, resolution, shapes) {
+  constructor(number, resolution, shapes, { source = 'horse.glb', target = 'camel.glb' } = {}) {
     this.number = number;
     this.shapes = shapes;
-    this.meshes = { source: animal('horse', resolution), target: animal('camel', Math.round(resolution * 1.1)) };
-    this.markers = new MarkerDocument(proposals(this.meshes));
+    this.files = { source: source.split('/').pop(), target: target.split('/').pop() };
+    const kinds = { source: kindOf(source), target: kindOf(target) };
+    this.meshes = {
+      source: animal(kinds.source, resolution),
+      target: animal(kinds.target, Math.round(resolution * 1.1)),
+    };
+    this.markers = new MarkerDocument(proposals(this.meshes, kinds));
+    /** The program knows no choices before the first check has ended. */
+    this.checked = false;
     this.pipelineRevision = 1;
     this.text = TEXT;
     this.past = [];
@@ -38,7 +45,7 @@ export class Project {
       mesh.positions.reduce((m, x, k) => (k % 3 === i ? Math.max(m, x) : m), -Infinity),
     );
     return {
-      file: side === 'source' ? 'horse.glb' : 'camel.glb',
+      file: this.files[side],
       vertices: mesh.positions.length / 3,
       polygons: mesh.polygons,
       triangles: mesh.triangles.length / 3,
@@ -66,7 +73,7 @@ export class Project {
       project: this.number,
       version: '0.1.0',
       allow_commands: false,
-      name: 'camel-from-horse',
+      name: `${stem(this.files.target)}-from-${stem(this.files.source)}`,
       source: this.facts('source'),
       target: this.facts('target'),
       poses: {
@@ -134,8 +141,10 @@ export class Project {
       text: this.text,
       value,
       diagnostics,
-      checking: false,
-      choices: [{ slot: 'proximity', value: { type: 'spanning_tree' }, reason: 'the target has 3 parts' }],
+      checking: !this.checked,
+      choices: this.checked
+        ? [{ slot: 'proximity', value: { type: 'spanning_tree' }, reason: 'the target has 3 parts' }]
+        : null,
       outputs: ['out/camel.glb', 'out/report.html'],
       disk: 'saved',
       disk_error: null,
@@ -254,11 +263,19 @@ export class Project {
   }
 }
 
-function proposals(meshes) {
-  return NAMED.horse.map(([name, point], i) => {
+function kindOf(path) {
+  return path.includes('camel') ? 'camel' : 'horse';
+}
+
+function stem(file) {
+  return file.replace(/\.[^.]*$/, '');
+}
+
+function proposals(meshes, kinds) {
+  return NAMED[kinds.source].map(([name, point], i) => {
     const confidence = Math.max(0.12, Math.round((0.97 - ((i * 37) % 15) * 0.062) * 100) / 100);
     const source = { vertex: nearestVertex(meshes.source.positions, point) };
-    const target = i === 6 ? null : { vertex: nearestVertex(meshes.target.positions, NAMED.camel[i][1]) };
+    const target = i === 6 ? null : { vertex: nearestVertex(meshes.target.positions, NAMED[kinds.target][i][1]) };
     return {
       name,
       source,

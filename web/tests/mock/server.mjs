@@ -29,7 +29,17 @@ const POLICY =
 
 export class MockServer {
   constructor({ dist, resolution = 60, open = true, shapes = false, delay = 0, ahead = 200 }) {
-    Object.assign(this, { dist, resolution, shapes, delay, ahead, projects: 0, project: null, sockets: new Set() });
+    Object.assign(this, {
+      dist,
+      resolution,
+      shapes,
+      delay,
+      ahead,
+      projects: 0,
+      project: null,
+      sockets: new Set(),
+      jobs: [],
+    });
     if (open) this.open();
     this.server = createServer((request, response) => this.answer(request, response));
     this.live = new WebSocketServer({ server: this.server, path: '/api/live' });
@@ -48,9 +58,16 @@ export class MockServer {
     return new Promise((resolve) => this.server.close(resolve));
   }
 
-  open() {
+  /** Opens two meshes. Their pipeline is checked a moment later, as in the program; jobs of all projects are remembered. */
+  open(files = {}) {
     this.projects += 1;
-    this.project = new Project(this.projects, this.resolution, this.shapes);
+    const project = new Project(this.projects, this.resolution, this.shapes, files);
+    project.jobs = this.jobs;
+    this.project = project;
+    setTimeout(() => {
+      project.checked = true;
+      if (this.project === project) this.broadcast({ type: 'pipeline', pipeline: project.pipeline(), cause: 'check' });
+    }, 100).unref();
   }
 
   async answer(request, response) {
@@ -98,7 +115,7 @@ export class MockServer {
     if (route === 'POST /api/open') {
       if (Object.values(json).some((path) => path.includes('broken')))
         return fail(422, 'broken.obj, line 12: the face names vertex 99, but there are 8', 'export the mesh again');
-      this.open();
+      this.open(json);
       const session = this.project.session();
       this.broadcast({ type: 'session', session });
       return send(200, session);

@@ -3,9 +3,9 @@ import { test } from 'node:test';
 import { past } from '../../src/app/past.ts';
 import { nearestFrame, playableStep, preparation } from '../../src/live/ahead.ts';
 import { chosenClip, clipSetting } from '../../src/live/clip.ts';
-import { readable } from '../../src/markers/order.ts';
+import { needOf, readable, readableIn } from '../../src/markers/order.ts';
 import { maskSetting, rigidSetting } from '../../src/paint/setting.ts';
-import type { Ahead } from '../../src/protocol/types.ts';
+import type { Ahead, Pair } from '../../src/protocol/types.ts';
 
 const present = { revision: 4, pipeline: 2, scalar: null };
 const ahead: Ahead = { revision: 4, pipeline: 2, done: 30, count: 30, step: 1, scalar: null, error: null };
@@ -73,4 +73,17 @@ test('names and steps read well', () => {
   assert.equal(past('move point 12'), 'moved point 12');
   assert.equal(past('set transfer.type to gradient'), 'set transfer.type to gradient');
   assert.equal(past('changes in the file'), 'changes in the file');
+});
+
+test('messages name points as the list does', () => {
+  assert.equal(readableIn('moved limb2-1'), 'moved Limb 2, point 1');
+  assert.equal(past('move limb2-1'), 'moved Limb 2, point 1');
+  assert.equal(readableIn('set output to climb2-1.glb'), 'set output to climb2-1.glb');
+});
+
+test('proposals that read alike are one level of doubt', () => {
+  const at = (confidence: number) =>
+    needOf({ source: { vertex: 0 }, target: { vertex: 0 }, status: 'proposed', confidence } as Pair);
+  assert.equal(at(0.4985), at(0.5002));
+  assert.equal(at(0.4949), 'doubtful');
 });

@@ -1,6 +1,6 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { computed, detached, effect, flush, signal } from '../../src/ui/signal.ts';
+import { computed, detached, effect, flush, onEffectError, signal } from '../../src/ui/signal.ts';
 
 test('an effect runs once for several changes, and only for what it read', () => {
   const [a, b, c] = [signal(1), signal(2), signal(3)];
@@ -69,4 +69,23 @@ test('effects of an effect end with its next run, but detached ones stay', () =>
   inner.value = 1;
   flush();
   assert.deepEqual([runs, detachedRuns], [3, 4]);
+});
+
+test('an effect that throws is reported, does not stop the others, and runs again', () => {
+  const value = signal<string | null>('a');
+  const seen: (number | null)[] = [];
+  const errors: unknown[] = [];
+  onEffectError((error) => errors.push(error));
+  effect(() => void (value.value as string).length);
+  effect(() => {
+    seen.push(value.value?.length ?? null);
+  });
+  value.value = null;
+  flush();
+  value.value = 'bcd';
+  flush();
+  value.value = null;
+  flush();
+  assert.deepEqual(seen, [1, null, 3, null]);
+  assert.equal(errors.length, 2);
 });
