@@ -247,3 +247,51 @@ test('one file for source and target is warned of', { skip: !mocked }, async () 
   await page.close();
   await empty.close();
 });
+
+test('the timeline has a slider that can be scrubbed, and no control is cut off, on a small screen with Stages open', {
+  skip: !mocked,
+}, async () => {
+  const page = await studio.open();
+  await page.click('#tab-stages');
+  await page.waitForSelector('.group');
+  for (const [width, height] of [
+    [1280, 720],
+    [900, 700],
+  ]) {
+    await page.setViewportSize({ width, height });
+    const slider = await page.locator('.timeline input').boundingBox();
+    assert.ok(slider.width >= 160, `${slider.width} at ${width}`);
+    const cut = await page.evaluate(() =>
+      [...document.querySelectorAll('.views :is(button, select, input)')]
+        .filter((one) => one.checkVisibility() && !one.closest('.popover'))
+        .filter((one) => one.getBoundingClientRect().right > window.innerWidth)
+        .map((one) => one.outerHTML),
+    );
+    assert.deepEqual(cut, []);
+  }
+  // Lines of the text that wrap keep their numbers beside them.
+  await page.waitForFunction(
+    () => document.querySelector('.gutter').offsetHeight <= document.querySelector('.yaml').scrollHeight,
+  );
+  assert.deepEqual(page.errors, []);
+  await page.close();
+});
+
+test('after Escape a view turns about the middle of its mesh', async () => {
+  const page = await studio.open();
+  await page.keyboard.press('j');
+  await atRest(page);
+  await page.keyboard.press('Escape');
+  const depth = () =>
+    page.evaluate(() => {
+      const { camera } = window.mimesh.stage.pane('source').view;
+      return camera.position.length();
+    });
+  const before = await depth();
+  await page.focus('.pane-source .pane-surface');
+  for (let i = 0; i < 6; i++) await page.keyboard.press('ArrowRight');
+  await page.waitForTimeout(300);
+  // The eye keeps its distance from the middle.
+  assert.ok(Math.abs((await depth()) - before) < 1e-6);
+  await page.close();
+});

@@ -38,7 +38,7 @@ export function makeCommands(
     command('Points', 'redo', 'Redo', ['mod+shift+z', 'mod+y'], () =>
       painting() ? painter.step(true) : void studio.history.step(true),
     ),
-    command('Points', 'letgo', 'Let go of the selected pair', ['escape'], () => letGo(studio)),
+    command('Points', 'letgo', 'Let go of the selected pair', ['escape'], () => letGo(studio, stage)),
     command('View', 'fly', 'Fly to the selected pair', ['f'], () => actions.flyTo(studio.selected.peek())),
     command('View', 'whole', 'See the whole mesh', ['home'], () => stage.camera.whole()),
     command('View', 'front', 'See it from the front', ['1'], () => stage.camera.whole(0, 0)),
@@ -93,10 +93,13 @@ function flip(value: { value: boolean }): void {
   value.value = !value.value;
 }
 
-function letGo(studio: Studio): void {
+function letGo(studio: Studio, stage: Stage): void {
   if (document.activeElement instanceof HTMLInputElement || document.activeElement instanceof HTMLTextAreaElement) {
     document.activeElement.blur();
-  } else studio.selected.value = null;
+  } else {
+    studio.selected.value = null;
+    stage.camera.letGo();
+  }
 }
 
 function onComponent(stage: Stage, run: (pane: Pane, component: number) => void): void {

@@ -5,9 +5,11 @@ import { h } from '../ui/dom.ts';
 import { effect } from '../ui/signal.ts';
 import { nearestFrame } from './ahead.ts';
 import { clipChoice } from './clips.ts';
-import { frameAt } from './frames.ts';
+import { frameAt, ordinal } from './frames.ts';
 
 const USUAL_RATE = 24;
+/** Longer names of poses are cut; the tooltip has them in full. */
+const MOST_LETTERS = 40;
 
 /** Plays the frames of a clip at its rate, on time: frames that come too late are left out. */
 export class Player {
@@ -83,20 +85,28 @@ export function timeline(studio: Studio, player: Player): HTMLElement {
   const element = h(
     'footer',
     { class: 'timeline', 'aria-label': 'Motion' },
-    button({
-      label: 'Rest',
-      keys: '0',
-      run: () => player.go(null),
-      pressed: () => studio.live.pose.value === null,
-    }),
-    button({ label: 'Previous frame', keys: ',', icon: 'previous', bare: true, run: () => player.step(-1) }),
-    playButton(studio, player),
-    button({ label: 'Next frame', keys: '.', icon: 'next', bare: true, run: () => player.step(1) }),
-    slider,
-    prepared(studio),
-    name,
-    clipChoice(studio),
+    h(
+      'div',
+      { class: 'timeline-main' },
+      button({
+        label: 'Rest',
+        keys: '0',
+        run: () => player.go(null),
+        pressed: () => studio.live.pose.value === null,
+      }),
+      button({ label: 'Previous frame', keys: ',', icon: 'previous', bare: true, run: () => player.step(-1) }),
+      playButton(studio, player),
+      button({ label: 'Next frame', keys: '.', icon: 'next', bare: true, run: () => player.step(1) }),
+      slider,
+    ),
+    h('div', { class: 'timeline-more' }, prepared(studio), name, clipChoice(studio)),
   );
+  // The longest name has room, so that nothing moves from frame to frame.
+  effect(() => {
+    const poses = player.poses;
+    const texts = (poses?.list ?? []).map((_, frame) => describe(studio, poses, frame).length);
+    name.style.setProperty('--longest', String(Math.min(Math.max(0, ...texts), MOST_LETTERS)));
+  });
   effect(() => {
     const poses = player.poses;
     const frame = player.frame;
@@ -106,6 +116,7 @@ export function timeline(studio: Studio, player: Player): HTMLElement {
     slider.max = String(Math.max((poses?.list.length ?? 1) - 1, 0));
     slider.value = String(frame ?? 0);
     name.textContent = describe(studio, poses, frame);
+    name.title = name.textContent;
     slider.setAttribute('aria-valuetext', name.textContent);
   });
   return element;
@@ -144,5 +155,6 @@ function describe(studio: Studio, poses: Poses | null, frame: number | null): st
   if (frame === null) return `At rest · ${all.list.length} frames`;
   const pose = poses?.list[frame];
   const seconds = pose?.seconds === null || pose?.seconds === undefined ? '' : ` · ${pose.seconds.toFixed(2)} s`;
-  return `${pose?.name ?? frame} · ${frame + 1} of ${all.list.length}${seconds}`;
+  // Names of poses count from 0 or from 1, as their files do; the place in the clip is an ordinal.
+  return `${pose?.name ?? frame} · ${ordinal(frame + 1)} of ${all.list.length}${seconds}`;
 }

@@ -2,6 +2,7 @@ import type { Studio } from '../app/studio.ts';
 import type { Diagnostic } from '../protocol/types.ts';
 import { fill, h } from '../ui/dom.ts';
 import { icon } from '../ui/icons.ts';
+import { splitCommands } from '../ui/prose.ts';
 import { effect } from '../ui/signal.ts';
 
 const SAVE_AFTER_MILLISECONDS = 500;
@@ -12,7 +13,6 @@ export function yamlEditor(studio: Studio): HTMLElement {
   const text = h('textarea', {
     class: 'yaml',
     spellcheck: 'false',
-    wrap: 'off',
     autocapitalize: 'off',
     'aria-label': 'Pipeline as YAML',
     'aria-describedby': 'editor-keys',
@@ -22,6 +22,7 @@ export function yamlEditor(studio: Studio): HTMLElement {
     },
     onkeydown: (event: KeyboardEvent) => indent(text, event),
   });
+  const lines = h('div', { class: 'yaml-lines', 'aria-hidden': 'true' });
   const faults = h('ul', { class: 'faults', 'aria-label': 'Faults', 'aria-live': 'polite' });
   const state = h('p', { class: 'muted', role: 'status' });
   let timer = 0;
@@ -46,10 +47,19 @@ export function yamlEditor(studio: Studio): HTMLElement {
 
   function drawGutter(): void {
     const bad = new Set((studio.pipeline.pipeline.peek()?.diagnostics ?? []).map((one) => one.line));
-    const count = text.value.split('\n').length;
-    fill(gutter, ...Array.from({ length: count }, (_, i) => h('span', { class: bad.has(i + 1) ? 'bad' : '' }, i + 1)));
+    lines.style.width = `${text.clientWidth}px`;
+    fill(lines, ...text.value.split('\n').map((line) => h('div', {}, line || ' ')));
+    const heights = [...lines.children].map((line) => (line as HTMLElement).offsetHeight);
+    const numbers = heights.map((height, i) => {
+      const number = h('span', { class: bad.has(i + 1) ? 'bad' : '' }, i + 1);
+      if (height > 0) number.style.height = `${height}px`;
+      return number;
+    });
+    fill(gutter, ...numbers);
   }
 
+  // Another width wraps the lines elsewhere.
+  new ResizeObserver(() => drawGutter()).observe(text);
   effect(() => {
     const pipeline = studio.pipeline.pipeline.value;
     if (!pipeline) return;
@@ -76,7 +86,7 @@ export function yamlEditor(studio: Studio): HTMLElement {
     'section',
     { class: 'editor', 'aria-label': 'Text' },
     state,
-    h('div', { class: 'editor-text' }, h('div', { class: 'gutter-clip' }, gutter), text),
+    h('div', { class: 'editor-text' }, lines, h('div', { class: 'gutter-clip' }, gutter), text),
     faults,
     h('p', { class: 'hint editor-keys', id: 'editor-keys' }, 'Tab indents. Esc and then Tab moves on.'),
   );
@@ -92,7 +102,7 @@ function faultButton(text: HTMLTextAreaElement, fault: Diagnostic): HTMLElement 
       {},
       fault.line === null ? '' : `Line ${fault.line}: `,
       fault.message,
-      fault.hint ? ` – ${fault.hint}` : null,
+      fault.hint && splitCommands(fault.hint).page ? ` – ${splitCommands(fault.hint).page}` : null,
     ),
   );
 }

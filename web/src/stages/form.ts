@@ -2,7 +2,7 @@ import type { Diagnostic, Step } from '../protocol/types.ts';
 import { button } from '../ui/controls.ts';
 import { h, uniqueId } from '../ui/dom.ts';
 import { icon } from '../ui/icons.ts';
-import { prose } from '../ui/prose.ts';
+import { prose, splitCommands } from '../ui/prose.ts';
 import { control } from './fields.ts';
 import type { FormHost } from './host.ts';
 import {
@@ -238,13 +238,14 @@ function faultsAt(diagnostics: readonly Diagnostic[], path: Step[]): HTMLElement
       (one) => one.path?.length === path.length || typeof one.path?.at(-1) === 'number' || one.path?.at(-1) === 'type',
     )
     .map((one) =>
-      h(
-        'p',
-        { class: one.level === 'error' ? 'problem' : 'doubt', role: 'alert' },
-        one.message,
-        one.hint ? ` – ${one.hint}` : null,
-      ),
+      h('p', { class: one.level === 'error' ? 'problem' : 'doubt', role: 'alert' }, one.message, hintOf(one)),
     );
+}
+
+/** Hints that name commands are for those who have no page. */
+function hintOf({ hint }: Diagnostic): string | null {
+  const page = hint && splitCommands(hint).page;
+  return page ? ` – ${page}` : null;
 }
 
 function startsWith(path: Step[] | null, start: Step[]): boolean {

@@ -4,7 +4,7 @@ import type { Job, RunResult, Worst } from '../protocol/types.ts';
 import { button, progressBar } from '../ui/controls.ts';
 import { fill, h } from '../ui/dom.ts';
 import { icon } from '../ui/icons.ts';
-import { prose } from '../ui/prose.ts';
+import { prose, splitCommands } from '../ui/prose.ts';
 import { effect } from '../ui/signal.ts';
 import { verdict } from '../ui/verdict.ts';
 
@@ -82,7 +82,7 @@ function reportOf(job: Job, show: (worst: Worst) => void): Node[] {
   if (job.state === 'failed') {
     return [
       h('p', { class: 'problem' }, sentence(job.error?.message ?? 'it failed')),
-      ...(job.error?.hint ? [h('p', { class: 'hint' }, sentence(job.error.hint))] : []),
+      ...(job.error?.hint ? prose(splitCommands(sentence(job.error.hint)).page) : []),
       ...(job.error?.diagnostics ?? []).map((entry) => h('p', { class: 'problem' }, entry.message)),
     ];
   }
@@ -99,6 +99,8 @@ function verdictOf(result: RunResult, seconds: number): Node[] {
 /** The sentences of the report: the whole in a few words, what is wrong, and what to do next. */
 function summaryOf(result: RunResult, show: (worst: Worst) => void): Node[] {
   const { summary, worst, written } = result;
+  const steps = summary.next_steps.map(splitCommands);
+  const commands = steps.map((step) => step.commands).filter(Boolean);
   const report = written.find((file) => file.name.endsWith('.html'));
   const faults = summary.faults.map(({ metric, sentence: text }) => {
     const first = worst.find((one) => one.metric === metric);
@@ -113,11 +115,26 @@ function summaryOf(result: RunResult, show: (worst: Worst) => void): Node[] {
     h('p', { class: 'total' }, sentence(summary.total)),
     ...(faults.length > 0 ? [h('ul', { class: 'faults-of-run' }, ...faults)] : []),
     h('h4', {}, 'What to do next'),
-    h('ol', { class: 'next-steps' }, ...summary.next_steps.map((step) => h('li', {}, ...prose(step)))),
+    h('ol', { class: 'next-steps' }, ...listed(steps.map(({ page }) => page))),
+    ...(commands.length > 0
+      ? [
+          h(
+            'details',
+            { class: 'on-command-line' },
+            h('summary', {}, 'On the command line'),
+            h('ul', {}, ...listed(commands)),
+          ),
+        ]
+      : []),
     ...(report
       ? [h('p', {}, h('a', { href: report.url, target: '_blank', rel: 'noopener' }, 'Open the whole report'))]
       : []),
   ];
+}
+
+/** Items of a list, without those that say nothing. */
+function listed(texts: string[]): HTMLElement[] {
+  return texts.filter(Boolean).map((text) => h('li', {}, ...prose(text)));
 }
 
 const OUTCOMES: Record<RunResult['status'], string> = {

@@ -1,6 +1,7 @@
 import { button } from './controls.ts';
 import { fill, h, uniqueId } from './dom.ts';
 import { icon } from './icons.ts';
+import { splitCommands } from './prose.ts';
 import { effect, signal } from './signal.ts';
 
 type Level = 'info' | 'error';
@@ -27,7 +28,8 @@ export function notify(
   topic: string | null = null,
 ): void {
   count += 1;
-  const notice = { id: count, level, text, hint, topic };
+  // The page can do itself what commands would.
+  const notice = { id: count, level, text, hint: hint && (splitCommands(hint).page || null), topic };
   const others = notices.peek().filter((other) => other.text !== text && (topic === null || other.topic !== topic));
   notices.value = [...others, notice].slice(-MOST);
   if (level === 'info') window.setTimeout(() => dismiss(notice.id), INFO_MILLISECONDS);

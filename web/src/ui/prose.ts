@@ -1,5 +1,15 @@
 import { h } from './dom.ts';
 
+/** What the page can say of advice for the command line: the sentences without commands, and those with them. */
+export function splitCommands(text: string): { page: string; commands: string } {
+  const sentences = text.split(/(?<=[.!?])\s+/);
+  const isCommand = (sentence: string) => /`mimesh\b/.test(sentence);
+  return {
+    page: sentences.filter((sentence) => !isCommand(sentence)).join(' '),
+    commands: sentences.filter(isCommand).join(' '),
+  };
+}
+
 /** Doc comments as elements: paragraphs, and code between backticks. The rest of Markdown stays as it is written. */
 export function prose(text: string): HTMLElement[] {
   return text

@@ -1,17 +1,19 @@
 import { CanvasTexture, LinearFilter } from 'three';
 import type { Label } from './label.ts';
 
-/** The size of the picture of one label, in pixels of the page; its dot lies at `DOT_X`, `DOT_Y`. */
-export const CELL_WIDTH = 64;
-export const CELL_HEIGHT = 44;
-export const DOT_X = 16;
-export const DOT_Y = 30;
-export const TAG_OFFSET = 13;
+/** The size of a picture, in pixels of the page. What it shows lies in its middle. */
+export const CELL_WIDTH = 48;
+export const CELL_HEIGHT = 28;
+const MIDDLE_X = CELL_WIDTH / 2;
+const MIDDLE_Y = CELL_HEIGHT / 2;
 const DOT = 4.5;
-const COLUMNS = 16;
-const ROWS = 32;
 
-/** Pictures of labels in one texture. A picture is drawn once for each look that occurs, not for each frame. */
+/** The parts of a label: its dot, its number, and the line between them. */
+export type LabelPart = 'dot' | 'tag' | 'line';
+const COLUMNS = 16;
+const ROWS = 48;
+
+/** Pictures of the parts of labels in one texture. A picture is drawn once for each look that occurs, not for each frame. */
 export class LabelAtlas {
   readonly texture: CanvasTexture;
   private readonly context: CanvasRenderingContext2D;
@@ -35,16 +37,16 @@ export class LabelAtlas {
     this.texture.magFilter = LinearFilter;
   }
 
-  /** The column and row of a label's picture. */
-  cell(label: Label): [number, number] {
-    const key = `${label.text}|${label.colour}|${label.hollow}|${label.selected || label.hovered}`;
+  /** The column and row of the picture of a part of a label. */
+  cell(label: Label, part: LabelPart): [number, number] {
+    const key = keyOf(label, part);
     let index = this.cells.get(key);
     if (index === undefined) {
       // A full atlas begins anew; whatever is still on the screen is drawn again as it is asked for.
       if (this.cells.size === COLUMNS * ROWS) this.cells.clear();
       index = this.cells.size;
       this.cells.set(key, index);
-      this.draw(label, index % COLUMNS, Math.floor(index / COLUMNS));
+      this.draw(label, part, index % COLUMNS, Math.floor(index / COLUMNS));
       this.texture.needsUpdate = true;
     }
     return [index % COLUMNS, Math.floor(index / COLUMNS)];
@@ -54,13 +56,30 @@ export class LabelAtlas {
     return [COLUMNS, ROWS];
   }
 
-  private draw(label: Label, column: number, row: number): void {
+  private draw(label: Label, part: LabelPart, column: number, row: number): void {
     const { context, ratio } = this;
     context.setTransform(ratio, 0, 0, ratio, column * CELL_WIDTH * ratio, row * CELL_HEIGHT * ratio);
     context.clearRect(0, 0, CELL_WIDTH, CELL_HEIGHT);
-    drawDot(context, label);
-    drawTag(context, label);
+    if (part === 'dot') drawDot(context, label);
+    else if (part === 'tag') drawTag(context, label);
+    else drawLine(context, label);
   }
+}
+
+function keyOf({ text, colour, hollow, selected, hovered }: Label, part: LabelPart): string {
+  if (part === 'line') return `line|${colour}`;
+  return part === 'dot' ? `dot|${colour}|${hollow}|${selected || hovered}` : `tag|${text}|${colour}|${hollow}`;
+}
+
+/** Half the width of the tag of a label, as far as the page needs it to keep tags apart. */
+export function halfTag(label: Label): number {
+  return Math.max(9, label.text.length * 3.6 + 4.5) + 1;
+}
+
+/** The line takes the colour of the middle. */
+function drawLine(context: CanvasRenderingContext2D, label: Label): void {
+  context.fillStyle = label.colour;
+  context.fillRect(0, 0, CELL_WIDTH, CELL_HEIGHT);
 }
 
 function drawDot(context: CanvasRenderingContext2D, label: Label): void {
@@ -83,7 +102,7 @@ function drawDot(context: CanvasRenderingContext2D, label: Label): void {
 
 function circle(context: CanvasRenderingContext2D, radius: number): void {
   context.beginPath();
-  context.arc(DOT_X, DOT_Y, radius, 0, 2 * Math.PI);
+  context.arc(MIDDLE_X, MIDDLE_Y, radius, 0, 2 * Math.PI);
 }
 
 function drawTag(context: CanvasRenderingContext2D, label: Label): void {
@@ -91,7 +110,7 @@ function drawTag(context: CanvasRenderingContext2D, label: Label): void {
   context.textAlign = 'center';
   context.textBaseline = 'middle';
   const width = Math.max(context.measureText(label.text).width + 9, 18);
-  const [x, y] = [DOT_X + TAG_OFFSET, DOT_Y - TAG_OFFSET];
+  const [x, y] = [MIDDLE_X, MIDDLE_Y];
   context.beginPath();
   context.roundRect(x - width / 2, y - 8, width, 16, 8);
   context.fillStyle = label.hollow ? '#fff' : label.colour;

@@ -1,6 +1,7 @@
 import {
   BufferAttribute,
   BufferGeometry,
+  DoubleSide,
   DynamicDrawUsage,
   GLSL3,
   Mesh,
@@ -11,7 +12,8 @@ import {
   type WebGLRenderer,
 } from 'three';
 import type { Label } from './label.ts';
-import { CELL_HEIGHT, CELL_WIDTH, DOT_X, DOT_Y, LabelAtlas, TAG_OFFSET } from './labelatlas.ts';
+import { CELL_HEIGHT, CELL_WIDTH, halfTag, LabelAtlas, type LabelPart } from './labelatlas.ts';
+import { spread, type TagPlace, USUAL_PLACE } from './spread.ts';
 import type { View } from './view.ts';
 
 interface Place {
@@ -23,6 +25,9 @@ interface Place {
 
 const GRAB_RADIUS = 11;
 const MOST_LABELS = 2048;
+/** A line, a dot and a tag for each label. */
+const MOST_QUADS = 3 * MOST_LABELS;
+const HALF_LINE = 0.9;
 
 const VERTEX = /* glsl */ `
 in vec3 corner;
@@ -55,14 +60,15 @@ export class LabelPainter {
   private readonly camera = new OrthographicCamera();
   private readonly geometry = new BufferGeometry();
   private readonly material: ShaderMaterial;
-  private readonly corners = new Float32Array(MOST_LABELS * 12);
-  private readonly cells = new Float32Array(MOST_LABELS * 8);
+  private readonly corners = new Float32Array(MOST_QUADS * 12);
+  private count = 0;
+  private readonly cells = new Float32Array(MOST_QUADS * 8);
 
   constructor(ratio: number) {
     this.atlas = new LabelAtlas(ratio);
     this.geometry.setAttribute('corner', new BufferAttribute(this.corners, 3).setUsage(DynamicDrawUsage));
     this.geometry.setAttribute('cell', new BufferAttribute(this.cells, 2).setUsage(DynamicDrawUsage));
-    this.geometry.setIndex(new BufferAttribute(quads(MOST_LABELS), 1));
+    this.geometry.setIndex(new BufferAttribute(quads(MOST_QUADS), 1));
     this.material = new ShaderMaterial({
       glslVersion: GLSL3,
       vertexShader: VERTEX,
@@ -72,6 +78,7 @@ export class LabelPainter {
       premultipliedAlpha: true,
       depthTest: false,
       depthWrite: false,
+      side: DoubleSide,
     });
     const mesh = new Mesh(this.geometry, this.material);
     mesh.frustumCulled = false;
@@ -83,14 +90,20 @@ export class LabelPainter {
     if (places.length === 0) return;
     // Later ones lie over earlier ones: what is hidden comes first, what is selected last.
     places.sort((a, b) => Number(b.hidden) - Number(a.hidden) || rank(a.label) - rank(b.label));
-    for (const [i, place] of places.entries()) this.write(place, i);
+    placeTags(view, places);
+    this.count = 0;
+    const [hidden, seen] = [places.filter((place) => place.hidden), places.filter((place) => !place.hidden)];
+    // No dot and no line of a label that is seen covers the number of another.
+    for (const group of [hidden, seen]) {
+      for (const part of ['line', 'dot', 'tag'] as const) for (const place of group) this.write(view, place, part);
+    }
     for (const name of ['corner', 'cell']) {
       const attribute = this.geometry.attributes[name] as BufferAttribute;
       attribute.clearUpdateRanges();
-      attribute.addUpdateRange(0, places.length * 4 * attribute.itemSize);
+      attribute.addUpdateRange(0, this.count * 4 * attribute.itemSize);
       attribute.needsUpdate = true;
     }
-    this.geometry.setDrawRange(0, places.length * 6);
+    this.geometry.setDrawRange(0, this.count * 6);
     this.material.uniforms.size.value.set(view.width, view.height);
     renderer.render(this.scene, this.camera);
   }
@@ -101,19 +114,43 @@ export class LabelPainter {
     this.atlas.texture.dispose();
   }
 
-  private write({ label, x, y, hidden }: Place, index: number): void {
-    const [column, row] = this.atlas.cell(label);
+  private write(view: View, { label, x, y, hidden }: Place, part: LabelPart): void {
+    const { dx, dy, led } = view.tags.get(label.id) ?? USUAL_PLACE;
+    if (part === 'line' && !led) return;
+    const [column, row] = this.atlas.cell(label, part);
     const [columns, rows] = this.atlas.grid;
     const shown = hidden ? (label.selected ? 0.55 : 0.22) : label.faint ? 0.5 : 1;
     const strength = shown * (label.strength ?? 1);
+    const index = this.count;
+    this.count += 1;
+    if (part === 'line') {
+      const scale = HALF_LINE / Math.hypot(dx, dy);
+      const [u, v] = [-dy * scale, dx * scale];
+      const ends = [x + u, y + v, strength, x + dx + u, y + dy + v, strength];
+      this.corners.set([...ends, x - u, y - v, strength, x + dx - u, y + dy - v, strength], index * 12);
+      const middle = [(column + 0.5) / columns, (row + 0.5) / rows];
+      this.cells.set([...middle, ...middle, ...middle, ...middle], index * 8);
+      return;
+    }
     // Whole pixels keep the digits sharp.
-    const [left, top] = [Math.round(x) - DOT_X, Math.round(y) - DOT_Y];
+    const [middleX, middleY] = part === 'tag' ? [x + dx, y + dy] : [x, y];
+    const [left, top] = [Math.round(middleX - CELL_WIDTH / 2), Math.round(middleY - CELL_HEIGHT / 2)];
     for (let corner = 0; corner < 4; corner++) {
       const [right, down] = [corner & 1, corner >> 1];
       this.corners.set([left + right * CELL_WIDTH, top + down * CELL_HEIGHT, strength], index * 12 + corner * 3);
       this.cells.set([(column + right) / columns, (row + down) / rows], index * 8 + corner * 2);
     }
   }
+}
+
+/** Keeps the tags of labels in sight apart; the selected one chooses first, and one that only shows a place last. */
+function placeTags(view: View, places: readonly Place[]): void {
+  const first = ({ label }: Place) => (label.passive ? -1 : rank(label));
+  const spots = places
+    .filter(({ label, hidden }) => !hidden || label.selected)
+    .sort((a, b) => first(b) - first(a) || a.label.id - b.label.id)
+    .map(({ label, x, y }) => ({ id: label.id, x, y, half: halfTag(label) }));
+  view.tags = spread(spots, view.tags);
 }
 
 function quads(count: number): Uint16Array {
@@ -150,7 +187,8 @@ export function labelAt(view: View, x: number, y: number): Label | null {
   let least = Infinity;
   for (const place of placesOf(view, true).filter((other) => !other.label.passive)) {
     const toDot = Math.hypot(place.x - x, place.y - y);
-    const toTag = Math.hypot(place.x + TAG_OFFSET - x, place.y - TAG_OFFSET - y);
+    const { dx, dy }: TagPlace = view.tags.get(place.label.id) ?? USUAL_PLACE;
+    const toTag = Math.hypot(place.x + dx - x, place.y + dy - y);
     const distance = Math.min(toDot, toTag);
     const score = distance + (place.hidden ? GRAB_RADIUS : 0);
     if (distance <= GRAB_RADIUS && score < least) {

@@ -32,6 +32,15 @@ export function turn(orbit: Orbit, yaw: number, pitch: number): void {
   orbit.pitch = Math.min(Math.max(orbit.pitch + pitch, -MAX_PITCH), MAX_PITCH);
 }
 
+/** Turns about a point, which keeps its place in the picture. */
+export function turnAbout(orbit: Orbit, pivot: Vector3, yaw: number, pitch: number): void {
+  const offset = orbit.target.clone().sub(pivot);
+  const parts = [...axes(orbit), eyeDirection(orbit)].map((axis) => offset.dot(axis));
+  turn(orbit, yaw, pitch);
+  orbit.target.copy(pivot);
+  for (const [i, axis] of [...axes(orbit), eyeDirection(orbit)].entries()) orbit.target.addScaledVector(axis, parts[i]);
+}
+
 /** The sizes of the picture at the target for an aspect ratio: half its width and half its height. */
 export function halfExtent(orbit: Orbit, aspect: number): [number, number] {
   const height = orbit.distance * Math.tan((FIELD_OF_VIEW * Math.PI) / 360);

@@ -1,6 +1,7 @@
 import { Color, PerspectiveCamera, type Ray, Raycaster, Scene, Vector2, type Vector3 } from 'three';
 import type { Label } from './label.ts';
 import { applyOrbit, between, cloneOrbit, type Orbit, wholeOrbit } from './orbit.ts';
+import type { TagPlace } from './spread.ts';
 import type { Surface } from './surface.ts';
 
 const FLIGHT_MILLISECONDS = 380;
@@ -12,6 +13,8 @@ export class View {
   readonly background = new Color(0x202428);
   orbit: Orbit = wholeOrbit();
   labels: Label[] = [];
+  /** Where the numbers of labels were in the last picture. */
+  tags: ReadonlyMap<number, TagPlace> = new Map();
   /** Whether a place on the mesh is behind something, seen from the eye; labels there are drawn faintly. */
   occluded: ((label: Label) => boolean) | null = null;
   /** Whether the picture no longer shows what is there. */

@@ -1,6 +1,6 @@
-import type { Vector3 } from 'three';
+import { Vector3 } from 'three';
 import { display } from '../app/display.ts';
-import { cloneOrbit, facing, type Orbit, pan, turn, wholeOrbit, zoom } from '../viewer/orbit.ts';
+import { cloneOrbit, facing, type Orbit, pan, turnAbout, wholeOrbit, zoom } from '../viewer/orbit.ts';
 import type { Viewer } from '../viewer/viewer.ts';
 import type { Pane } from './pane.ts';
 import type { PaneCamera } from './pointer.ts';
@@ -12,6 +12,9 @@ const NEAR = 0.8;
 export class StageCamera implements PaneCamera {
   private readonly viewer: Viewer;
   private readonly panes: () => readonly Pane[];
+  /** What the views look at. */
+  private focus = new Map<Pane, Vector3>();
+  private holds = () => false;
 
   constructor(viewer: Viewer, panes: () => readonly Pane[]) {
     this.viewer = viewer;
@@ -19,7 +22,9 @@ export class StageCamera implements PaneCamera {
   }
 
   turn(pane: Pane, x: number, y: number): void {
-    this.change(pane, (orbit) => turn(orbit, x * RADIANS_PER_PIXEL, y * RADIANS_PER_PIXEL));
+    this.change(pane, (orbit, _, turned) =>
+      turnAbout(orbit, this.pivot(turned), x * RADIANS_PER_PIXEL, y * RADIANS_PER_PIXEL),
+    );
   }
 
   pan(pane: Pane, x: number, y: number): void {
@@ -44,6 +49,7 @@ export class StageCamera implements PaneCamera {
 
   /** The whole mesh, from the side that a person looked from, or from another one. */
   whole(yaw?: number, pitch?: number): void {
+    this.letGo();
     for (const pane of this.panes()) {
       const { orbit } = pane.view;
       const goal: Orbit = { ...wholeOrbit(), yaw: yaw ?? orbit.yaw, pitch: pitch ?? orbit.pitch };
@@ -52,8 +58,18 @@ export class StageCamera implements PaneCamera {
     this.viewer.invalidate(true);
   }
 
-  /** Brings each pane to its place of a point. Linked panes keep one direction, that of the first place. */
-  flyTo(places: Map<Pane, { position: Vector3; normal: Vector3 }>): void {
+  /** Views turn about the middle of their meshes again. */
+  letGo(): void {
+    this.focus.clear();
+  }
+
+  /**
+   * Brings each pane to its place of a point. Linked panes keep one direction, that of the first place. Views turn about their places as
+   * long as `holds` is true.
+   */
+  flyTo(places: Map<Pane, { position: Vector3; normal: Vector3 }>, holds: () => boolean): void {
+    this.focus = new Map([...places].map(([pane, { position }]) => [pane, position.clone()]));
+    this.holds = holds;
     let direction: Orbit | null = null;
     for (const [pane, { position, normal }] of places) {
       const goal = facing(position, normal, NEAR);
@@ -75,11 +91,16 @@ export class StageCamera implements PaneCamera {
     }
   }
 
-  private change(pane: Pane, apply: (orbit: Orbit, aspect: number) => void): void {
+  /** The middle of the unit frame is that of the mesh. */
+  private pivot(pane: Pane): Vector3 {
+    return (this.holds() && this.focus.get(pane)) || new Vector3();
+  }
+
+  private change(pane: Pane, apply: (orbit: Orbit, aspect: number, pane: Pane) => void): void {
     const changed = display.linked.peek() ? this.panes() : [pane];
-    for (const { view } of changed) {
-      view.stopFlight();
-      apply(view.orbit, view.aspect);
+    for (const one of changed) {
+      one.view.stopFlight();
+      apply(one.view.orbit, one.view.aspect, one);
     }
     this.viewer.invalidate(true);
   }

@@ -15,8 +15,9 @@ export function componentsButton(studio: Studio): HTMLElement {
     'button',
     { type: 'button', class: 'button plain', popovertarget: id, title: 'Hide, isolate and search components' },
     icon('list'),
-    'Components',
+    h('span', { class: 'button-text' }, 'Components'),
   );
+  opener.setAttribute('aria-label', 'Components');
   const search = signal('');
   const side = signal<Side>('target');
   const list = h('ul', { class: 'components', 'aria-label': 'Components' });

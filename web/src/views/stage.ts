@@ -77,19 +77,21 @@ export class Stage {
   }
 
   /** Flies to a pair, or to any points of both meshes. */
-  flyToPoints(source: Point | null, target: Point | null): void {
+  flyToPoints(source: Point | null, target: Point | null, holds?: () => boolean): void {
     const places = new Map();
     for (const pane of this.panes.peek()) {
       const point = pane.side === 'source' ? source : target;
       const place = point && pane.locate(point);
       if (place) places.set(pane, place);
     }
-    this.camera.flyTo(places);
+    const selected = this.studio.selected.peek();
+    this.camera.flyTo(places, holds ?? (() => selected !== null && this.studio.selected.peek() === selected));
   }
 
   /** Flies to a place and points at it for a while. */
   showPlace(side: Side, point: Point): void {
-    this.flyToPoints(side === 'source' ? point : null, side === 'target' ? point : null);
+    const isShown = () => this.place.peek()?.point === point;
+    this.flyToPoints(side === 'source' ? point : null, side === 'target' ? point : null, isShown);
     window.clearTimeout(this.placeTimer);
     this.place.value = { side, point, strength: 1 };
     const fade = (step: number) => {

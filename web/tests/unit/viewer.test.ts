@@ -6,7 +6,8 @@ import { coarseTriangles } from '../../src/viewer/coarse.ts';
 import { COLOUR_MAPS, colourTable, formatNumber, legendRange, sampleColour, ticks } from '../../src/viewer/colours.ts';
 import { frameOf, unitMatrix } from '../../src/viewer/frame.ts';
 import { computeNormals, representatives } from '../../src/viewer/normals.ts';
-import { applyOrbit, between, pan, turn, wholeOrbit, zoom } from '../../src/viewer/orbit.ts';
+import { applyOrbit, between, pan, turn, turnAbout, wholeOrbit, zoom } from '../../src/viewer/orbit.ts';
+import { spread } from '../../src/viewer/spread.ts';
 
 const TETRAHEDRON = {
   positions: new Float32Array([0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1]),
@@ -99,4 +100,27 @@ test('a flight begins and ends in its places and takes the shorter way round', (
   const end = between(from, to, 1).yaw;
   assert.ok(Math.abs(Math.cos(end) - Math.cos(-3)) < 1e-12);
   assert.ok(Math.abs(between(from, to, 0.5).yaw - Math.PI) < 0.2);
+});
+
+test('a turn about a point leaves it in its place of the picture', () => {
+  const orbit = { ...wholeOrbit(), target: new Vector3(0.3, -0.4, 0.1), distance: 0.8 };
+  const pivot = new Vector3(0, 0.05, 0);
+  const camera = new PerspectiveCamera();
+  const place = () => {
+    applyOrbit(orbit, camera, 1.5);
+    return pivot.clone().applyMatrix4(camera.matrixWorldInverse);
+  };
+  const before = place();
+  turnAbout(orbit, pivot, 1.2, 0.3);
+  assert.ok(place().distanceTo(before) < 1e-9);
+});
+
+test('numbers of points that lie close do not cover each other, and stay where they are', () => {
+  const spots = Array.from({ length: 7 }, (_, id) => ({ id, x: 100 + 3 * id, y: 100 + (id % 2), half: 10 }));
+  const places = spread(spots, new Map());
+  const at = spots.map(({ id, x, y }) => [x + (places.get(id)?.dx ?? 0), y + (places.get(id)?.dy ?? 0)]);
+  for (const [i, [x, y]] of at.entries())
+    for (const [u, v] of at.slice(i + 1)) assert.ok(Math.abs(x - u) > 20 || Math.abs(y - v) > 16);
+  assert.deepEqual(spread(spots, places), places);
+  assert.equal(spread(spots.slice(0, 1), new Map()).get(0)?.led, false);
 });
