@@ -295,3 +295,22 @@ test('after Escape a view turns about the middle of its mesh', async () => {
   assert.ok(Math.abs((await depth()) - before) < 1e-6);
   await page.close();
 });
+
+test('a source with shapes and a clip goes from one to the other and back', { skip: !mocked }, async () => {
+  const own = await serve({ resolution: 40, shapes: true });
+  const page = await openPage(studio.browser, own.url);
+  const box = '.clip-choice select';
+  const options = () => page.locator('.clip-choice option').allTextContents();
+  const are = (kind) => page.waitForFunction((k) => window.mimesh.studio.session.peek().poses.are === k, kind);
+  assert.deepEqual(await options(), ['Shapes', 'Wave · 1.00 s, 24 frames']);
+  assert.equal(await page.inputValue(box), '');
+  await page.selectOption(box, 'Wave');
+  await are('frames');
+  await page.waitForFunction(() => document.querySelector('.clip-choice select').value === 'Wave');
+  assert.deepEqual(await options(), ['Shapes', 'Wave · 1.00 s, 24 frames']);
+  await page.selectOption(box, '');
+  await are('shapes');
+  assert.deepEqual(page.errors, []);
+  await page.close();
+  await own.close();
+});

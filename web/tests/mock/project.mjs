@@ -33,7 +33,8 @@ export class Project {
     this.text = TEXT;
     this.past = [];
     this.future = [];
-    this.clip = 'Walk';
+    // A file with shapes may have a clip too, whose frames become the poses once it is chosen.
+    this.clip = shapes ? null : 'Walk';
     this.masks = new Map();
     this.jobs = [];
   }
@@ -66,7 +67,8 @@ export class Project {
   }
 
   makeSession() {
-    const names = this.shapes
+    const areShapes = this.clip === null;
+    const names = areShapes
       ? ['jawOpen', 'smileLeft', 'smileRight', 'browUp', 'blink']
       : Array.from({ length: FRAMES }, (_, i) => `${this.clip} ${i}`);
     return {
@@ -77,18 +79,18 @@ export class Project {
       source: this.facts('source'),
       target: this.facts('target'),
       poses: {
-        are: this.shapes ? 'shapes' : 'frames',
-        fps: this.shapes ? null : 24,
+        are: areShapes ? 'shapes' : 'frames',
+        fps: areShapes ? null : 24,
         clips: this.shapes
-          ? []
+          ? [{ name: 'Wave', seconds: 1, frames: FRAMES }]
           : [
               { name: 'Walk', seconds: 1, frames: FRAMES },
               { name: 'Run', seconds: 0.5, frames: 12 },
             ],
         list: names.map((name, i) => ({
           name,
-          clip: this.shapes ? null : this.clip,
-          seconds: this.shapes ? null : i / 24,
+          clip: this.clip,
+          seconds: areShapes ? null : i / 24,
         })),
       },
       scalars: [
@@ -177,8 +179,8 @@ export class Project {
     else document.setIn(path, document.createNode(value));
     this.take(document.toString(), `set ${path.join('.')}`);
     // Another clip is other poses of the same meshes.
-    const clip = path[1] === 'poses' && (value?.clip ?? value);
-    if (clip) {
+    const clip = path[1] === 'poses' ? (value?.clip ?? value ?? null) : undefined;
+    if (clip !== undefined && (clip || this.shapes)) {
       this.clip = clip;
       this.number += 1000;
       this.made = null;
