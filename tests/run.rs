@@ -283,7 +283,7 @@ fn a_truth_that_does_not_fit_is_a_warning_and_the_result_is_written_and_not_call
     let output = project.mimesh(&["run", "p.yaml"]);
     assert_eq!(output.status, 0, "{}", output.stderr);
     assert!(output.stderr.contains("warning: pose 1: not scored: "), "{}", output.stderr);
-    let doubt = "1, doubtful: the pose is not scored, since its known result cannot be read: truth-1.obj";
+    let doubt = "1, doubtful: the pose is not scored, since its known result cannot be read";
     assert!(output.stdout.contains(doubt), "{}", output.stdout);
     assert_eq!(project.names("out"), ["1.obj", "2.obj", "run.json"]);
 }

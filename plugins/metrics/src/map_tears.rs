@@ -56,7 +56,7 @@ impl Metric for MapTears {
             Statistic::new("orphans", "%", "Share of triangles without a partner.").with_limits(25.0, 75.0),
             Statistic::new("p99", "%", "99th percentile of the gap."),
             Statistic::new("max", "%", "Largest gap."),
-            Statistic::new("stretch_p99", "ratio", "How many times farther apart neighbours lie on the source than they should, in nearly the worst place: the 99th percentile of e′ / (e + h).").with_limits(1.4, 2.5),
+            Statistic::new("stretch_p99", "ratio", "How many times farther apart neighbours lie on the source than they should, near the worst place: 99th percentile of e′ / (e + h).").with_limits(1.4, 2.5),
             Statistic::new(
                 "worst_component",
                 "%",

@@ -56,12 +56,12 @@ impl Metric for SourceMotion {
             Statistic::new("p999", "%", "How far nearly the worst point is from the motion of the source: the 99.9th percentile of r.").with_limits(12.0, 60.0),
             Statistic::new("mean", "%", "Mean of r.").with_limits(4.5, 10.0),
             Statistic::new("max", "%", "Largest r."),
-            Statistic::new("lag", "%", "That distance, relative to the largest motion of the source: about 100 if a part does not move at all; 100 `p999` / (`reach` + 1).")
+            Statistic::new("lag", "%", "`p999` relative to the source's largest motion: about 100 if a part does not move at all; 100 `p999` / (`reach` + 1).")
                 .with_limits(40.0, 300.0),
             Statistic::new(
                 "still_excess",
                 "%",
-                "How much farther the worst point is from the motion of the source than the difference of the shapes explains: `max` beyond 0.025 `misfit` `reach`; missing if `source_mean` is above 5.5 %.",
+                "How far the worst point is off the source's motion, beyond 0.025 `misfit` `reach` that shapes explain; missing if `source_mean` is above 5.5 %.",
             )
             .with_limits(0.9, 50.0),
             Statistic::new("spike", "%", "Largest spike of a vertex, divided by 1 + (`reach` / 10 %)².")

@@ -107,7 +107,7 @@ function summaryOf(result: RunResult, show: (worst: Worst) => void): Node[] {
     return h(
       'li',
       {},
-      h('p', {}, sentence(text)),
+      first?.words === text ? null : h('p', {}, sentence(text)),
       first ? button({ label: first.words, icon: 'eye', run: () => show(first) }) : null,
     );
   });

@@ -74,11 +74,11 @@ impl Measurer<'_> {
             return self.record(&measured[i], report);
         }
         let target = &self.prepared.target;
-        let mut unreadable = None;
+        let mut unreadable = false;
         let positions = self.ground_truth(i, &report.name).unwrap_or_else(|error| {
             // Metrics that need no ground truth are measured all the same.
             report.figures.warn(format!("not scored: {error}"));
-            unreadable = Some(error.to_string());
+            unreadable = true;
             None
         });
         let ground_truth = positions.as_ref().map(|[mesh, surface]| Posed { mesh, surface });
@@ -92,15 +92,15 @@ impl Measurer<'_> {
             let baseline = self.metrics.measure_against_ground_truth(input);
             metrics.rest_baseline = baseline.statistics();
         }
-        if let Some(cache) = cache.filter(|_| unreadable.is_none()) {
+        if let Some(cache) = cache.filter(|_| !unreadable) {
             cache.put_metrics(i, &metrics);
         }
         self.record(&metrics, report);
-        if let Some(error) = unreadable {
+        if unreadable {
             let missing = self.metrics.names_with_ground_truth().map(|metric| (metric.to_owned(), String::new()));
             metrics.failed.extend(missing);
             let verdict = self.metrics.verdict(&metrics).unwrap_or_default();
-            report.verdict = Some(verdict.with(Reason::unscored(&error)));
+            report.verdict = Some(verdict.with(Reason::unscored()));
         }
         if let Some(thumbnails) = self.thumbnails {
             let result = target.mirrored_positions(posed.surface.clone());
