@@ -238,7 +238,7 @@ fn a_material_library_is_found_from_another_folder() {
     assert_eq!(written(&results), expected);
     let told = writer.warnings(&results, &mesh);
     assert_eq!(told.len(), 1);
-    assert!(told[0].contains("../../models/my colours.mtl, ../../models/mats/b.mtl"), "{told:?}");
+    assert!(told[0].contains("`../../models/my colours.mtl`, `../../models/mats/b.mtl`"), "{told:?}");
     // The library is read from there.
     let result = results.join("a.obj");
     std::fs::write(&result, expected).unwrap();
