@@ -2,9 +2,11 @@
 """Measures the table of docs/performance.md on real meshes, and prints it with what was measured before and what was wanted.
 
     python3 benches/table.py ../shared/data --markdown table.md
+    python3 benches/table.py ../shared/data --before ../older/target/release/mimesh
 
 The folder holds the meshes that tests/DATA.md lists. Every run is `mimesh run` or `mimesh keypoints` without a cache; seconds are
-CPU seconds of one thread, of the stage or of the process. `--only` takes the beginnings of rows.
+CPU seconds of one thread, of the stage or of the process; figures are medians. With `--before` an older program does the same work in
+turn, where that is a command. `--only` takes the beginnings of rows.
 """
 
 import argparse
@@ -15,6 +17,7 @@ import struct
 import subprocess
 import sys
 import tempfile
+import time
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent / "peers"))
@@ -24,37 +27,33 @@ from runner import ROOT, Runner, build_program, target_folder  # noqa: E402
 class Bench:
     """Runs pipelines on the meshes of `data` with `mimesh`."""
 
-    def __init__(self, data, mimesh, program, runs):
-        self.data, self.mimesh, self.runs = data, mimesh, runs
+    def __init__(self, data, mimesh, program):
+        self.data, self.mimesh = data, mimesh
         self.folder = Path(tempfile.mkdtemp(prefix="mimesh-table-"))
         self.runner, self.program = None, program
 
     def run(self, pipeline, threads=1):
-        """The report of a run, of which times are medians."""
-        reports = []
-        while len(reports) < self.runs:
-            file = self.folder / "pipeline.yaml"
-            # JSON is YAML.
-            file.write_text(json.dumps(pipeline))
-            command = [self.mimesh, "run", str(file), "--no-cache", "--threads", str(threads), "--json"]
-            done = subprocess.run(command, capture_output=True, env={**os.environ, "RAYON_NUM_THREADS": str(threads)})
-            # 3 and 4: a gate or a pose failed, which times do not depend on.
-            if done.returncode not in (0, 3, 4):
-                sys.exit(f"{' '.join(command)}: status {done.returncode}\n{done.stderr.decode()}")
-            reports.append(json.loads(done.stdout))
-            if reports[-1]["seconds"] > 120:
-                break
-        stages = {stage["stage"] for report in reports for stage in report["stages"]}
+        """What a run took."""
+        file = self.folder / "pipeline.yaml"
+        # JSON is YAML.
+        file.write_text(json.dumps(pipeline))
+        command = [self.mimesh, "run", str(file), "--no-cache", "--threads", str(threads), "--json"]
+        done = subprocess.run(command, capture_output=True, env={**os.environ, "RAYON_NUM_THREADS": str(threads)})
+        # 3 and 4: a gate or a pose failed, which times do not depend on.
+        if done.returncode not in (0, 3, 4):
+            sys.exit(f"{' '.join(command)}: status {done.returncode}\n{done.stderr.decode()}")
+        report = json.loads(done.stdout)
+        stages = {stage["stage"] for stage in report["stages"]}
 
-        def median(stage, clock):
-            return statistics.median(sum(s[clock] for s in r["stages"] if s["stage"] == stage) for r in reports)
+        def total(stage, clock):
+            return sum(s[clock] for s in report["stages"] if s["stage"] == stage)
 
         return {
-            "process": statistics.median(report["process"]["cpu_seconds"] for report in reports),
-            "memory": statistics.median(report["process"]["peak_memory_bytes"] for report in reports),
-            "cpu": {stage: median(stage, "cpu_seconds") for stage in stages},
-            "wall": {stage: median(stage, "seconds") for stage in stages},
-            "poses": len(reports[-1]["poses"]),
+            "process": report["process"]["cpu_seconds"],
+            "memory": report["process"]["peak_memory_bytes"],
+            "cpu": {stage: total(stage, "cpu_seconds") for stage in stages},
+            "wall": {stage: total(stage, "seconds") for stage in stages},
+            "poses": len(report["poses"]),
         }
 
     def keypoints(self, pipeline):
@@ -77,13 +76,13 @@ class Bench:
                 "task": "import", "format": {"type": "obj"}, "file": str(mesh), "poses": [str(pose) for pose in poses],
                 "handles": {"type": "farthest_point", "count": 64}, "mesh": str(folder),
             }
-            self.stage(job, runs=1)
+            self.stage(job)
         return folder
 
-    def stage(self, job, runs=None):
+    def stage(self, job):
         """Runs one stage, in a process of its own."""
-        self.runner = self.runner or Runner(self.program or build_program(), 1, self.runs)
-        return self.runner.ours(job, runs)
+        self.runner = self.runner or Runner(self.program or build_program(), 1, 1)
+        return self.runner.ours(job)
 
     def weights(self, mesh, handles, name):
         """CPU seconds of binding weights to a mesh and solving for handles."""
@@ -207,23 +206,20 @@ def vertices(file):
 
 
 def rows(bench):
-    """The rows: what is done, what was measured before, a function that measures, what was wanted."""
+    """The rows: what is done, what was measured before, a function that measures, what was wanted, whether it is a command."""
     data = bench.data
     horse, body, stones = data / "sumner-horse-poses", data / "bodies" / "source", data / "pebble-camel"
     least_squares = {"type": "gradient", "reweightings": 0}
     bare = {"metrics": []}
-    cache = {}
+    many = {"transfer": {"type": "biharmonic"}, "correspondence": None}
 
-    def horse_to_camel(name, **settings):
-        if name not in cache:
-            cache[name] = bench.run(bench.horse_to_camel(**settings))
-        return cache[name]
+    def animals(**settings):
+        return bench.run(without_none(bench.horse_to_camel(**settings)))["process"]
 
     def key_points(poses):
-        two_k = data / "bodies-2k" / "source"
-        files = sorted(str(path) for path in two_k.glob("*.obj") if path.stem != "rest")[:poses]
+        files = sorted(str(path) for path in two_k.parent.glob("*.obj") if path.stem != "rest")[:poses]
         return bench.keypoints({
-            "source": {"rest": str(two_k / "rest.obj"), "poses": files},
+            "source": {"rest": str(two_k), "poses": files},
             "key_points": {"type": "greedy", "max_count": 12, "threshold": 0},
         })
 
@@ -238,31 +234,42 @@ def rows(bench):
         pipeline = bench.combined(horse / "horse-reference.obj", poses, stones / "rest.obj", markers)
         return bench.run(pipeline)["process"]
 
-    many = {"transfer": {"type": "biharmonic"}, "correspondence": None}
     two_k, thirteen_k = data / "bodies-2k" / "source" / "rest.obj", body / "rest.obj"
+    weights = "bounded biharmonic weights"
     return [
-        ("horse to camel, ten poses, whole process", "3.07", lambda: horse_to_camel("all")["process"], "1.6"),
-        ("— without metrics", "2.58", lambda: horse_to_camel("bare", **bare)["process"], ""),
-        ("— without metrics and reweighting", "1.89", lambda: horse_to_camel("plain", **bare, transfer=least_squares)["process"], ""),
-        ("correspondence of horse and camel", "1.5", bench.correspondence, "1.0"),
-        ("a pose, 21,887 v", "0.077", bench.pose, "0.015"),
-        ("— without reweighting", "0.007", lambda: bench.pose(reweightings=0), ""),
-        ("`biharmonic` horse to camel, 107 markers, ten poses", "68", lambda: bench.run(without_none(bench.horse_to_camel(**many)))["process"], "8"),
-        ("bounded biharmonic weights, 2,161 v, 12 handles", "0.22", lambda: bench.weights(two_k, 12, "2k"), ""),
-        ("bounded biharmonic weights, 2,161 v, 64 handles", "1.01", lambda: bench.weights(two_k, 64, "2k"), ""),
-        ("bounded biharmonic weights, 13,348 v, 12 handles", "2.7–3.4", lambda: bench.weights(thirteen_k, 12, "13k"), "1.1"),
-        ("bounded biharmonic weights, 53,386 v, 12 handles", "24.7", lambda: bench.weights(bench.finer(thirteen_k), 12, "53k"), "6"),
-        ("key points, 2,161 v, 12 of 100, one pose", "30.6", lambda: key_points(1), "5"),
-        ("key points, 2,161 v, 12 of 100, six poses", "70.9", lambda: key_points(6), "15"),
-        ("combined on a camel of 750 pebbles, 107 markers", "485", pebbles, "7"),
-        ("combined on a child in 180 plates, 20 markers", "154", plates, "5"),
-        ("frames a second into GLB, 13,348 v, two threads (1,000 frames)", "33", lambda: bench.frames("frames.glb", 1000)[0], "100"),
-        ("frames a second into PC2, 13,348 v, two threads (1,000 frames)", "", lambda: bench.frames("frames-out.pc2", 1000)[0], "100"),
+        ("horse to camel, ten poses, whole process", "3.07", animals, "1.6", True),
+        ("— without metrics", "2.58", lambda: animals(**bare), "", True),
+        ("— without metrics and reweighting", "1.89", lambda: animals(**bare, transfer=least_squares), "", True),
+        ("correspondence of horse and camel", "1.5", bench.correspondence, "1.0", False),
+        ("a pose, 21,887 v", "0.077", bench.pose, "0.015", False),
+        ("— without reweighting", "0.007", lambda: bench.pose(reweightings=0), "", False),
+        ("`biharmonic` horse to camel, 107 markers, ten poses", "68", lambda: animals(**many), "8", True),
+        (f"{weights}, 2,161 v, 12 handles", "0.22", lambda: bench.weights(two_k, 12, "2k"), "", False),
+        (f"{weights}, 2,161 v, 64 handles", "1.01", lambda: bench.weights(two_k, 64, "2k"), "", False),
+        (f"{weights}, 13,348 v, 12 handles", "2.7–3.4", lambda: bench.weights(thirteen_k, 12, "13k"), "1.1", False),
+        (f"{weights}, 53,386 v, 12 handles", "24.7", lambda: bench.weights(bench.finer(thirteen_k), 12, "53k"), "6", False),
+        ("key points, 2,161 v, 12 of 100, one pose", "30.6", lambda: key_points(1), "5", True),
+        ("key points, 2,161 v, 12 of 100, six poses", "70.9", lambda: key_points(6), "15", True),
+        ("combined on a camel of 750 pebbles, 107 markers", "485", pebbles, "7", True),
+        ("combined on a child in 180 plates, 20 markers", "154", plates, "5", True),
+        ("frames a second into GLB, 13,348 v, two threads (1,000 frames)", "33", lambda: bench.frames("f.glb", 1000)[0], "100", True),
+        ("frames a second into PC2, 13,348 v, two threads (1,000 frames)", "", lambda: bench.frames("f-out.pc2", 1000)[0], "100", True),
     ]
 
 
 def without_none(pipeline):
     return {key: value for key, value in pipeline.items() if value is not None}
+
+
+def medians(measures, runs):
+    """The medians of several functions that measure in turn; of one run where it takes over two minutes."""
+    found = [[] for _ in measures]
+    for _ in range(runs):
+        for measure, values in zip(measures, found):
+            begin = time.monotonic()
+            if len(values) == 0 or values[0][1] < 120:
+                values.append((measure(), time.monotonic() - begin))
+    return [statistics.median(value for value, _ in values) for values in found]
 
 
 def main():
@@ -271,6 +278,7 @@ def main():
     parser.add_argument("--runs", type=int, default=5, help="runs of each row; one where it takes over two minutes")
     parser.add_argument("--only", nargs="+", default=[""])
     parser.add_argument("--mimesh", type=Path, help="the program; by default it is built")
+    parser.add_argument("--before", type=Path, help="an older program, measured in turn")
     parser.add_argument("--program", type=Path, help="a program built from benches/peers/main.rs before")
     parser.add_argument("--markdown", type=Path, help="also write the table into this file")
     options = parser.parse_args()
@@ -278,12 +286,16 @@ def main():
     if mimesh is None:
         subprocess.run(["cargo", "build", "--release", "--locked"], cwd=ROOT, check=True)
         mimesh = target_folder() / "release" / "mimesh"
-    bench = Bench(options.data.resolve(), str(mimesh.resolve()), options.program, options.runs)
+    programs = [path.resolve() for path in (mimesh, options.before) if path]
+    benches = [rows(Bench(options.data.resolve(), str(path), options.program)) for path in programs]
     lines = ["| work | before | after | wanted |", "|---|---:|---:|---:|"]
     print(*lines, sep="\n", flush=True)
-    for name, before, measure, wanted in rows(bench):
+    for name, before, measure, wanted, is_command in benches[0]:
         if any(name.startswith(start) for start in options.only):
-            lines.append(f"| {name} | {before} | {measure():.3g} | {wanted} |")
+            others = [row[2] for bench in benches[1:] for row in bench if row[0] == name and is_command]
+            after, *measured = medians([measure, *others], options.runs)
+            before = f"{measured[0]:.3g}" if measured else before
+            lines.append(f"| {name} | {before} | {after:.3g} | {wanted} |")
             print(lines[-1], flush=True)
     if options.markdown:
         options.markdown.write_text("\n".join(lines) + "\n")

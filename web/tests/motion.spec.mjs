@@ -7,6 +7,9 @@ import { mocked, serve } from './servers.mjs';
 
 const studio = studioOfFile({ resolution: 50, ahead: 4000 });
 
+/** Waits until what is painted is saved; before, the page says “not saved yet”. */
+const isSaved = (page) =>
+  page.waitForFunction(() => document.querySelector('[aria-label="Save"] .muted').textContent === 'saved');
 const channel = (page) => page.evaluate(() => window.mimesh.studio.live.target.peek()?.header.channel);
 const shownOption = (page) =>
   page.evaluate(() => document.querySelector('.pane-result select').selectedOptions[0].textContent);
@@ -165,7 +168,7 @@ test('each kind of mask has a name of its own, overwriting asks, and a saved one
   // The same mask again asks nothing.
   await page.click('text=Invert');
   await page.click('[aria-label="Save"] .primary');
-  await page.waitForFunction(() => /saved/.test(document.querySelector('[aria-label="Save"] .muted').textContent));
+  await isSaved(page);
   assert.equal(await page.locator('dialog[open]').count(), 0);
   await page.selectOption('.paint select >> nth=0', 'components');
   assert.equal(await page.inputValue(name), 'rigid');
@@ -180,6 +183,32 @@ test('each kind of mask has a name of its own, overwriting asks, and a saved one
   await page.waitForFunction(() => document.querySelectorAll('.masks .link').length === 2);
   await page.click('text=Use in the pipeline');
   await page.waitForFunction(() => window.mimesh.studio.pipeline.pipeline.peek().value.transfer.rigid?.length === 1);
+  await page.close();
+});
+
+test('a name that is typed while a mask of the other kind is saved stays', { skip: !mocked }, async () => {
+  const page = await studio.open();
+  let answer;
+  const asked = new Promise((resolve) => {
+    answer = resolve;
+  });
+  await page.route('**/api/masks/**', async (route) => {
+    await asked;
+    await route.continue();
+  });
+  await page.click('#tab-paint');
+  const name = '[aria-label="Save"] input[maxlength="60"]';
+  await page.click('text=Fill');
+  await page.fill(name, 'late');
+  await page.click('[aria-label="Save"] .primary');
+  await page.selectOption('.paint select >> nth=0', 'components');
+  await page.fill(name, 'teeth');
+  answer();
+  await page.waitForSelector('.masks .link');
+  assert.equal(await page.inputValue(name), 'teeth');
+  await page.selectOption('.paint select >> nth=0', 'weights');
+  assert.equal(await page.inputValue(name), 'late');
+  await isSaved(page);
   await page.close();
 });
 

@@ -161,9 +161,14 @@ function saving(studio: Studio, painter: Painter): HTMLElement {
   effect(() => {
     state.textContent = painter.unsaved.value ? 'not saved yet' : present() ? 'saved' : '';
   });
-  // Each kind has a name of its own, so that one does not take the other's file.
+  // Each kind has a name of its own, so that one does not take the other's file. What a person has typed meanwhile stays when a
+  // save of the other kind ends.
+  let offered = '';
   effect(() => {
-    name.value = present()?.name ?? USUAL_NAMES[painter.kind.value];
+    const offer = present()?.name ?? USUAL_NAMES[painter.kind.value];
+    if (offer === offered) return;
+    offered = offer;
+    name.value = offer;
   });
   effect(() => {
     const mask = present();
