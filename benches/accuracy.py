@@ -115,12 +115,11 @@ class Bench:
         bodies = self.data / "bodies"
         body = {"rest": str(bodies / "source/rest.obj"), "poses": [str(bodies / f"source/{pose}.obj") for pose in BODY_POSES]}
         chosen = self.key_points(body)
-        reports = []
         for name in ("plates-child", "plates-heavy"):
             partner = json.loads((bodies / name / "partner-of-source-vertex.json").read_text())
             files = {f"{name}, {count}": self.landmarks(bodies / name, count) for count in (10, 20, 64)}
             files[f"{name}, key points"] = self.markers(f"{name}-chosen", [(v, partner[v]) for v in chosen])
-            reports += self.parts(body, bodies / name / "rest.obj", files, bodies / name / "truth-{pose}.ply")
+            yield from self.parts(body, bodies / name / "rest.obj", files, bodies / name / "truth-{pose}.ply")
         horse, stones = self.data / "sumner-horse-poses", self.data / "pebble-camel"
         stone_of = json.loads((stones / "nearest.json").read_text())["surface_vertex_to_stone_vertex"]
         pairs = [(a, stone_of[b]) for a, b in hand_picked(self.data)]
@@ -128,23 +127,23 @@ class Bench:
         files = {f"stones, {count}": self.markers(f"stones-{count}", [pairs[k] for k in order[:count]]) for count in (10, 20, 64)}
         # Those whose results are known: 01, 03, 05, 08 and 10.
         gallop = {"rest": str(horse / "horse-reference.obj"), "poses": str(horse / "horse-[01][01358].obj")}
-        reports += self.parts(gallop, stones / "rest.obj", files, stones / "truth-camel-{pose}.ply")
-        return reports + self.faces()
+        yield from self.parts(gallop, stones / "rest.obj", files, stones / "truth-camel-{pose}.ply")
+        yield from self.faces()
 
     def faces(self):
         """A face of 56 components, which gives nine expressions to another identity. The model adds displacements."""
         face = self.data / "ict-facekit"
         neutral, target = vertices(face / "generic_neutral_mesh.obj"), vertices(face / "identity000.obj")
+        faces = [line for line in (face / "identity000.obj").read_text().splitlines() if line.startswith("f ")]
         for name in EXPRESSIONS:
             moved = [[z + x - y for x, y, z in zip(*points)] for points in zip(vertices(face / f"{name}.obj"), neutral, target)]
-            header = f"ply\nformat ascii 1.0\nelement vertex {len(moved)}\n"
-            header += "".join(f"property double {axis}\n" for axis in "xyz") + "end_header\n"
-            text = header + "".join(f"{x!r} {y!r} {z!r}\n" for x, y, z in moved)
-            (self.folder / f"truth-{name}.ply").write_text(text)
+            # Corners without texture and normal.
+            bare = ["f " + " ".join(corner.split("/")[0] for corner in line.split()[1:]) for line in faces]
+            (self.folder / f"truth-{name}.obj").write_text("\n".join([f"v {x} {y} {z}" for x, y, z in moved] + bare) + "\n")
         order = spread(neutral, 64)
         files = {f"ict, {count}": self.markers(f"ict-{count}", [(v, v) for v in order[:count]]) for count in (10, 20, 30, 64)}
         source = {"rest": str(face / "generic_neutral_mesh.obj"), "poses": [str(face / f"{name}.obj") for name in EXPRESSIONS]}
-        return self.parts(source, face / "identity000.obj", files, self.folder / "truth-{pose}.ply")
+        return self.parts(source, face / "identity000.obj", files, self.folder / "truth-{pose}.obj")
 
     def parts(self, source, target, markers, truth):
         """The reports of three methods with each file of markers."""
@@ -197,6 +196,10 @@ def spread(points, count):
     return chosen
 
 
+def digits(percent):
+    return f"{percent:.3f}" if percent >= 0.1 else f"{percent:.4f}"
+
+
 def row(report):
     """A row of a table."""
     run, error = report["run"], report["metrics"]["point_error"]
@@ -204,8 +207,8 @@ def row(report):
     method = "combined" if "initial" in transfer else transfer["type"]
     motion = report["metrics"].get("component_motion")
     part = f"{motion['worst']['offset_max']:.3f}" if motion else "-"
-    average = " | ".join(f"{error['average'][name]:.3f}" for name in ("mean", "rms", "p95"))
-    return (f"| {run['target']} | {method} | {report['markers']} | {average} | {error['worst']['mean']:.3f} | {part} | "
+    average = " | ".join(digits(error["average"][name]) for name in ("mean", "rms", "p95"))
+    return (f"| {run['target']} | {method} | {report['markers']} | {average} | {digits(error['worst']['mean'])} | {part} | "
             f"{report['verdict']} | {report['seconds']:.3g} s |")
 
 
@@ -223,8 +226,12 @@ def main():
     with tempfile.TemporaryDirectory(prefix="mimesh-accuracy-") as folder:
         bench = Bench(options.data.resolve(), mimesh, Path(folder))
         for name in options.only:
-            tables.append("\n".join([HEADER, *map(row, getattr(bench, name)())]))
-            print(tables[-1], end="\n\n", flush=True)
+            lines = [HEADER]
+            print(HEADER)
+            for report in getattr(bench, name)():
+                lines.append(row(report))
+                print(lines[-1], flush=True)
+            tables.append("\n".join(lines))
     if options.markdown:
         options.markdown.write_text("\n\n".join(tables) + "\n")
 

@@ -6,7 +6,7 @@ from typing import Callable
 import numpy
 
 import checks
-from meshes import Mesh, make, resolution
+from meshes import Mesh, make, resolution, take
 
 
 @dataclass
@@ -29,9 +29,8 @@ def skin(runner, folder, proportions, vertices, handles=64):
     return path, make(runner, path, handles, **settings)["vertices"]
 
 
-def weights(runner, folder, size, counts):
+def weights(mesh, vertices, counts):
     """Weights of handles, against libigl."""
-    mesh, vertices = skin(runner, folder, "horse", size)
     kinds = [
         ("bounded biharmonic weights", {"type": "bounded_biharmonic", "normalize": "none"}, {"function": "igl_bbw"}, checks.bounded),
         ("biharmonic weights", {"type": "biharmonic"}, {"function": "igl_harmonic", "k": 2}, checks.equal_weights(1e-5)),
@@ -123,10 +122,15 @@ def files(runner, folder, results, size):
         yield Case(f"reading {kind.upper()}", f"{vertices:,} v", ours, peers)
 
 
-def all_cases(runner, folder, results, sizes, counts, only):
+def all_cases(runner, folder, results, sizes, counts, only, files_of_meshes):
     """The cases in the order of the table: a work at a time, by size. Meshes are made in `folder` when they are needed."""
+    for number, file in enumerate(files_of_meshes):
+        mesh = folder / f"file-{number}"
+        yield from weights(mesh, take(runner, mesh, file)["vertices"], counts)
+    if files_of_meshes:
+        return
     works = {
-        "weights": lambda size: weights(runner, folder, size, counts),
+        "weights": lambda size: weights(*skin(runner, folder, "horse", size), counts),
         "plates": lambda size: plates(runner, folder, size),
         "deform": lambda size: deform(runner, folder, size),
         "distances": lambda size: distances(runner, folder, size),

@@ -67,3 +67,12 @@ def make(runner, folder, handles=64, **settings):
         about.write_text(json.dumps(made["about"]))
         asked.write_text(json.dumps(job))
     return json.loads(about.read_text())
+
+
+def take(runner, folder, file):
+    """Takes a mesh from an OBJ file, and gives what is known of it."""
+    job = {
+        "task": "import", "format": {"type": "obj"}, "file": str(file), "poses": [],
+        "handles": {"type": "farthest_point", "count": 64}, "mesh": str(folder),
+    }
+    return runner.ours(job, runs=1)["about"]

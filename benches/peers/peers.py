@@ -31,6 +31,7 @@ def arguments():
     parser.add_argument("--sizes", type=int, nargs="+", default=[2_000, 13_000, 53_000], help="vertices of the meshes, about")
     parser.add_argument("--handles", type=int, nargs="+", default=[12, 64], help="handles of weights, at most 64")
     parser.add_argument("--only", nargs="+", help="weights, plates, deform, distances, closest, correspondence, files")
+    parser.add_argument("--files", type=Path, nargs="+", default=[], help="OBJ files of one component: compare weights on them alone")
     parser.add_argument("--runs", type=int, default=5, help="runs of each job; one where it takes over two minutes")
     parser.add_argument("--threads", type=int, default=1)
     parser.add_argument("--markdown", type=Path, help="also write the table into this file")
@@ -98,7 +99,7 @@ def main():
     print(f"{about}; {options.threads} thread(s), medians of {options.runs}; ratios are the peer's over ours\n\n{HEADER}", flush=True)
     rows, notes = [], {}
     with tempfile.TemporaryDirectory() as results:
-        for case in all_cases(runner, folder, Path(results), options.sizes, options.handles, options.only):
+        for case in all_cases(runner, folder, Path(results), options.sizes, options.handles, options.only, options.files):
             for row in compare(runner, case, Path(results)):
                 rows.append(row)
                 print(line(row), flush=True)
