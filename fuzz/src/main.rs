@@ -6,9 +6,15 @@ use mimesh_fuzz::{limits, session, targets};
 
 /// Each target has its turn for so many seconds at most.
 const TURN: f64 = 60.0;
+const OPTIONS: [&str; 3] = ["--hours", "--target", "--seed"];
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
+    if let Some([word, ..]) = arguments.chunks(2).find(|pair| pair.len() < 2 || !OPTIONS.contains(&pair[0].as_str())) {
+        return Err(
+            format!("`{word}` is no option with a value; mimesh-fuzz [--hours H] [--target NAME] [--seed S]").into()
+        );
+    }
     let value = |name: &str| arguments.iter().position(|word| word == name).and_then(|at| arguments.get(at + 1));
     let hours: f64 = value("--hours").map_or(Ok(1.0), |hours| hours.parse())?;
     let seed: u64 = value("--seed").map_or(Ok(1), |seed| seed.parse())?;
