@@ -140,7 +140,7 @@ class Bench:
             # Corners without texture and normal.
             bare = ["f " + " ".join(corner.split("/")[0] for corner in line.split()[1:]) for line in faces]
             (self.folder / f"truth-{name}.obj").write_text("\n".join([f"v {x} {y} {z}" for x, y, z in moved] + bare) + "\n")
-        order = spread(neutral, 64)
+        order = spread(neutral, 64, 0)
         files = {f"ict, {count}": self.markers(f"ict-{count}", [(v, v) for v in order[:count]]) for count in (10, 20, 30, 64)}
         source = {"rest": str(face / "generic_neutral_mesh.obj"), "poses": [str(face / f"{name}.obj") for name in EXPRESSIONS]}
         return self.parts(source, face / "identity000.obj", files, self.folder / "truth-{pose}.obj")
@@ -187,9 +187,11 @@ def hand_picked(data):
     return [tuple(int(word) for word in line.split(",")) for line in lines if line.strip()]
 
 
-def spread(points, count):
-    """The first points in farthest-point order, which begins with the first."""
-    chosen, distance = [0], [float("inf")] * len(points)
+def spread(points, count, first=None):
+    """The first points in farthest-point order, which begins with `first`, else with the one that is farthest from their mean."""
+    mean = [sum(axis) / len(points) for axis in zip(*points)]
+    first = max(range(len(points)), key=lambda k: math.dist(points[k], mean)) if first is None else first
+    chosen, distance = [first], [float("inf")] * len(points)
     while len(chosen) < count:
         distance = [min(d, math.dist(point, points[chosen[-1]])) for d, point in zip(distance, points)]
         chosen.append(max(range(len(points)), key=distance.__getitem__))
