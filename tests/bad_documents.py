@@ -4,8 +4,7 @@
     python3 tests/bad_documents.py [MIMESH]
 
 A pipeline is told clearly if the first error names a place or a file and either the message or a hint says a way out; it is dead if the
-command panics, computes for 10 s, hangs for 60, needs more than 1 GB or ends by a signal. The exit status is the number of those that are
-dead or vague.
+command panics, hangs for 10 s, needs more than 1 GB or ends by a signal. The exit status is the number of those that are dead or vague.
 """
 
 import contextlib
@@ -17,9 +16,7 @@ import sys
 import tempfile
 
 MIMESH = os.path.abspath(sys.argv[1] if len(sys.argv) > 1 else "target/release/mimesh")
-MEMORY = 1 << 30
-# Of computing, and until a command ends: beside other programs it may wait for its turn.
-SECONDS, WAITED = 10, 60
+SECONDS, MEMORY = 10, 1 << 30
 
 CUBE = "".join(f"v {i & 1} {2 * (i >> 1 & 1)} {3 * (i >> 2 & 1)}\n" for i in range(8))
 CUBE += "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n"
@@ -157,15 +154,14 @@ def temporary_folder():
 
 def limits():
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
-    resource.setrlimit(resource.RLIMIT_CPU, (SECONDS, SECONDS))
 
 
 def run(folder, command):
     try:
-        done = subprocess.run([MIMESH, command, "p.yaml", "--no-cache"], cwd=folder, preexec_fn=limits, timeout=WAITED, stdin=subprocess.DEVNULL,
+        done = subprocess.run([MIMESH, command, "p.yaml", "--no-cache"], cwd=folder, preexec_fn=limits, timeout=SECONDS, stdin=subprocess.DEVNULL,
                               stdout=subprocess.PIPE, stderr=subprocess.PIPE)
     except subprocess.TimeoutExpired:
-        return "dead", f"more than {WAITED} s"
+        return "dead", f"more than {SECONDS} s"
     errors = done.stderr.decode(errors="replace")
     if "panicked" in errors or done.returncode not in ENDS:
         return "dead", f"status {done.returncode}: {errors[-300:]}"
