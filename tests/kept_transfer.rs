@@ -34,15 +34,16 @@ fn markers(moved: u32) -> Vec<Marker> {
     [0, 3, 5, 7, 9, 11].map(marker).to_vec()
 }
 
-#[test]
-fn markers_that_move_give_what_binding_anew_gives() {
+/// The largest distance, in diagonals, between kept transfers and those that are bound anew, while a marker goes from place to place.
+fn farthest_from_anew(residual: bool) -> f64 {
     let (source, target, poses) = balls();
-    let transfer = configured::<dyn Transfer>(json!({ "type": "biharmonic", "weights": { "type": "biharmonic" } }))
-        .expect("bundled stages");
+    let settings = json!({ "type": "biharmonic", "weights": { "type": "biharmonic" }, "residual": residual });
+    let transfer = configured::<dyn Transfer>(settings).expect("bundled stages");
     let first = markers(3);
     let pair = TransferPair { source: &source, target: &target, markers: &first, proximity: None };
     let input = BindInput { pair, map: None, poses: &poses, work: Work::UNWATCHED };
     let mut kept = transfer.keep(input).unwrap().expect("these weights keep their factors");
+    let mut off = 0.0_f64;
     // A neighbour, a vertex a quarter away, one that is wrong by half the ball, and back.
     for moved in [3, 12, 20, 100, 3] {
         let markers = markers(moved);
@@ -51,10 +52,20 @@ fn markers_that_move_give_what_binding_anew_gives() {
         let kept = kept.bind(pair).unwrap();
         for pose in &poses {
             let [a, b] = [&anew, &kept].map(|bound| bound.transfer(pose).unwrap().positions);
-            // Rounding of two systems that are solved in different frames.
-            assert!(farthest(&a, &b) < 1e-9 * target.diagonal(), "{moved}: {}", farthest(&a, &b));
+            off = off.max(farthest(&a, &b) / target.diagonal());
         }
     }
+    off
+}
+
+#[test]
+fn markers_that_move_give_what_binding_anew_gives() {
+    // Rounding of two systems that are solved in different frames.
+    let off = farthest_from_anew(false);
+    assert!(off < 1e-9, "{off}");
+    // The residual changes by less than its own size where it is taken from half a hundredth of the diagonal aside.
+    let off = farthest_from_anew(true);
+    assert!(off < 5e-3, "{off}");
 }
 
 #[test]

@@ -13,56 +13,16 @@ use rayon::prelude::*;
 
 use crate::poisson::{Fit, Poisson};
 
-/// The target at corresponding places of the source, and how gradients there become positions of the target.
+/// The components of a target, of which each lies where the maps bring its mean.
 #[derive(Debug)]
-pub(super) struct Integral {
-    /// The gradient operator of each triangle at y.
-    gradients: Vec<Option<Gradient>>,
-    /// The unit normal of each triangle at y.
-    normals: Vec<Vector3<f64>>,
-    /// y.
-    places: Vec<Point3<f64>>,
-    poisson: Arc<Poisson>,
-    /// What brings the frame of `poisson` to that of the source; `None` where they are one.
-    source_from_poisson: Option<Similarity>,
-    triangles: Vec<[u32; 3]>,
-    /// x: the target at rest in the source's frame.
-    rest: Vec<Point3<f64>>,
+pub(super) struct Parts {
     /// The vertices of each component with their shares of its area.
     components: Vec<Vec<(u32, f64)>>,
 }
 
-/// What the maps of the handles make of a pose.
-pub(super) struct Pose<'a> {
-    /// The maps.
-    pub transforms: &'a [Matrix3x4<f64>],
-    /// Where they bring y.
-    pub blend: &'a [Point3<f64>],
-}
-
-impl Integral {
-    /// `target` is at rest in the source's frame, `places` are y.
-    pub(super) fn new(target: Surface, places: Vec<Point3<f64>>) -> Result<Self> {
-        let poisson = Arc::new(Poisson::new(&target, |area| area)?);
-        Ok(Self::by(poisson, None, target, places))
-    }
-
-    /// The same by a system that was factored for the target in its own frame, which `source_from_target` brings to the source's.
-    pub(super) fn kept(
-        poisson: Arc<Poisson>,
-        source_from_target: Similarity,
-        target: Surface,
-        places: Vec<Point3<f64>>,
-    ) -> Self {
-        Self::by(poisson, Some(source_from_target), target, places)
-    }
-
-    fn by(
-        poisson: Arc<Poisson>,
-        source_from_poisson: Option<Similarity>,
-        target: Surface,
-        places: Vec<Point3<f64>>,
-    ) -> Self {
+impl Parts {
+    /// The same in any frame.
+    pub(super) fn new(target: &Surface) -> Self {
         let areas = target.area_normals(&target.positions);
         let components = target.components();
         let mut shares = vec![0.0; target.vertex_count()];
@@ -80,15 +40,79 @@ impl Integral {
             let count = members.len() as f64;
             members.iter_mut().for_each(|(_, share)| *share = if total > 0.0 { *share / total } else { 1.0 / count });
         }
+        Self { components: members }
+    }
+}
+
+/// The target at corresponding places of the source, and how gradients there become positions of the target.
+#[derive(Debug)]
+pub(super) struct Integral {
+    /// The gradient operator of each triangle at y.
+    gradients: Vec<Option<Gradient>>,
+    /// The unit normal of each triangle at y.
+    normals: Vec<Vector3<f64>>,
+    /// y.
+    places: Vec<Point3<f64>>,
+    poisson: Arc<Poisson>,
+    /// What brings the frame of `poisson` to that of the source; `None` where they are one.
+    source_from_poisson: Option<Similarity>,
+    triangles: Vec<[u32; 3]>,
+    /// x: the target at rest in the source's frame.
+    rest: Vec<Point3<f64>>,
+    parts: Arc<Parts>,
+}
+
+/// As many triangles are worth the while of a thread.
+const TRIANGLES: usize = 4096;
+
+/// What the maps of the handles make of a pose.
+pub(super) struct Pose<'a> {
+    /// The maps.
+    pub transforms: &'a [Matrix3x4<f64>],
+    /// Where they bring y.
+    pub blend: &'a [Point3<f64>],
+}
+
+impl Integral {
+    /// `target` is at rest in the source's frame, `places` are y.
+    pub(super) fn new(target: Surface, places: Vec<Point3<f64>>) -> Result<Self> {
+        let poisson = Arc::new(Poisson::new(&target, |area| area)?);
+        let parts = Arc::new(Parts::new(&target));
+        Ok(Self::by(poisson, parts, None, target, places))
+    }
+
+    /// The same by a system that was factored for the target in its own frame, which `source_from_target` brings to the source's.
+    pub(super) fn kept(
+        poisson: Arc<Poisson>,
+        parts: Arc<Parts>,
+        source_from_target: Similarity,
+        target: Surface,
+        places: Vec<Point3<f64>>,
+    ) -> Self {
+        Self::by(poisson, parts, Some(source_from_target), target, places)
+    }
+
+    fn by(
+        poisson: Arc<Poisson>,
+        parts: Arc<Parts>,
+        source_from_poisson: Option<Similarity>,
+        target: Surface,
+        places: Vec<Point3<f64>>,
+    ) -> Self {
+        let unit = |n: &Vector3<f64>| n.try_normalize(0.0).unwrap_or_default();
+        let (gradients, normals) = rayon::join(
+            || gradients(&places, &target.triangles),
+            || target.area_normals(&places).iter().map(unit).collect(),
+        );
         Self {
-            gradients: gradients(&places, &target.triangles),
-            normals: target.area_normals(&places).iter().map(|n| n.try_normalize(0.0).unwrap_or_default()).collect(),
+            gradients,
+            normals,
             poisson,
+            parts,
             source_from_poisson,
-            triangles: target.triangles.clone(),
+            triangles: target.triangles,
             rest: target.positions,
             places,
-            components: members,
         }
     }
 
@@ -125,7 +149,7 @@ impl Integral {
             let normal = self.normals[t];
             gradient.of_posed(&corners.map(|v| pose.blend[v as usize])) + of_maps * normal * normal.transpose()
         };
-        let gradients = (0..self.triangles.len()).map(gradient);
+        let gradients = (0..self.triangles.len()).into_par_iter().with_min_len(TRIANGLES).map(gradient);
         Ok(match &self.source_from_poisson {
             None => gradients.collect(),
             Some(to_source) => {
@@ -137,7 +161,7 @@ impl Integral {
 
     /// Moves each component by the mean motion that the maps give it.
     fn place(&self, blend: &[Point3<f64>], positions: &mut [Point3<f64>]) {
-        for members in &self.components {
+        for members in &self.parts.components {
             let mean = |points: &[Point3<f64>]| -> Vector3<f64> {
                 members.iter().map(|&(v, share)| points[v as usize].coords * share).sum()
             };

@@ -1,8 +1,8 @@
 //! The transfer while markers come and go: factors and the motion of the source are kept, and one marker that moves costs a solve on its
 //! surface.
 //!
-//! It departs from binding anew in the regions of the source, which stay as long as the number of markers does. That shows in details
-//! that a moving picture hides.
+//! It departs from binding anew in two ways, which show in details that a moving picture hides. The regions of the source stay as long as
+//! the number of markers does. The residual is taken from the points that were found when places were last elsewhere.
 
 use std::sync::Arc;
 
@@ -16,8 +16,16 @@ use mimesh_core::{
     },
 };
 
-use super::{Biharmonic, Bound, Frame, Reconstruction, integral::Integral, places, residual::Residual};
+use super::{
+    Biharmonic, Bound, Frame, Reconstruction,
+    integral::{Integral, Parts},
+    places,
+    residual::{Residual, Search},
+};
 use crate::poisson::Poisson;
+
+/// How far a place moves until the point of its residual is looked for again, in diagonals of the source.
+const SLACK: f64 = 5e-3;
 
 /// What does not depend on markers.
 #[derive(Debug)]
@@ -25,11 +33,14 @@ pub(super) struct Kept {
     weights: [Box<dyn KeptWeights>; 2],
     clusterer: Box<dyn BoundClusterer>,
     deformer: Box<dyn BoundDeformer>,
-    /// The system of the target in its own frame; `None` where blends are taken as they are.
-    poisson: Option<Arc<Poisson>>,
+    /// The system of the target in its own frame, and its parts; `None` where blends are taken as they are.
+    system: Option<(Arc<Poisson>, Arc<Parts>)>,
     frame: Frame,
     orientation: Orientation,
-    residual: bool,
+    /// `None` where the residual is left out.
+    search: Option<Search>,
+    /// The residual of the last markers.
+    residual: Option<Arc<Residual>>,
     /// The regions of the last markers, with their number.
     regions: Option<(usize, Regions)>,
 }
@@ -46,18 +57,21 @@ impl Kept {
         let (of_source, of_target) =
             rayon::join(|| weights.keep(source, links.as_ref()), || weights.keep(target, proximity));
         let (Some(of_source), Some(of_target)) = (of_source?, of_target?) else { return Ok(None) };
-        let poisson = match settings.reconstruction {
+        let system = match settings.reconstruction {
             Reconstruction::Blend => None,
-            Reconstruction::Gradients => Some(Arc::new(Poisson::new(target, |area| area)?)),
+            Reconstruction::Gradients => {
+                Some((Arc::new(Poisson::new(target, |area| area)?), Arc::new(Parts::new(target))))
+            }
         };
         Ok(Some(Self {
             weights: [of_source, of_target],
             clusterer: clusterer.bind(source, input.poses)?,
             deformer: deformer.bind(source)?,
-            poisson,
+            system,
             frame: settings.frame,
             orientation: settings.orientation,
-            residual: settings.residual,
+            search: settings.residual.then(|| Search::new(source)).transpose()?,
+            residual: None,
             regions: None,
         }))
     }
@@ -91,10 +105,19 @@ impl KeptTransfer for Kept {
         let rest = pair.target.positions.iter().map(|x| in_source.apply(x)).collect();
         let target = Surface { positions: rest, ..pair.target.clone() };
         let places = places(pair, &of_target, &target.positions, &in_source);
-        let residual = self.residual.then(|| Residual::new(pair.source, &target, &places)).transpose()?;
-        let (places, integral) = match &self.poisson {
+        if let Some(search) = &self.search {
+            match self.residual.as_mut().map(Arc::make_mut) {
+                Some(residual) => residual.follow(search, &target, &places, SLACK * pair.source.diagonal()),
+                None => self.residual = Some(Arc::new(Residual::new(search, &target, &places))),
+            }
+        }
+        let residual = self.residual.clone();
+        let (places, integral) = match &self.system {
             None => (target.positions, None),
-            Some(poisson) => (places.clone(), Some(Integral::kept(poisson.clone(), in_source, target, places))),
+            Some((poisson, parts)) => {
+                let integral = Integral::kept(poisson.clone(), parts.clone(), in_source, target, places.clone());
+                (places, Some(integral))
+            }
         };
         let figures = of_target.figures.clone();
         Ok(Box::new(Bound { skin, weights: of_target, places, residual, integral, target_from_source, figures }))

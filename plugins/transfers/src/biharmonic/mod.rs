@@ -21,6 +21,8 @@ mod integral;
 mod kept;
 mod residual;
 
+use std::sync::Arc;
+
 use mimesh_core::{
     Error, Figures, Result,
     mesh::{Surface, SurfacePoint, check_finite},
@@ -41,7 +43,7 @@ use tracing::debug_span;
 
 use integral::{Integral, Pose};
 use kept::Kept;
-use residual::Residual;
+use residual::{Residual, Search};
 
 use crate::alignment::by_markers;
 
@@ -198,7 +200,8 @@ impl Transfer for Biharmonic {
         let rest = pair.target.positions.iter().map(|x| in_source.apply(x)).collect();
         let target = Surface { positions: rest, ..pair.target.clone() };
         let places = places(pair, &of_target, &target.positions, &in_source);
-        let residual = self.residual.then(|| Residual::new(pair.source, &target, &places)).transpose()?;
+        let search = self.residual.then(|| Search::new(pair.source)).transpose()?;
+        let residual = search.map(|search| Arc::new(Residual::new(&search, &target, &places)));
         let (places, integral) = match self.reconstruction {
             Reconstruction::Blend => (target.positions, None),
             Reconstruction::Gradients => (places.clone(), Some(Integral::new(target, places)?)),
@@ -268,7 +271,7 @@ struct Bound {
     weights: HandleWeights,
     /// Where the maps act on the target's vertices, in the source's frame: y, or the vertices themselves.
     places: Vec<Point3<f64>>,
-    residual: Option<Residual>,
+    residual: Option<Arc<Residual>>,
     integral: Option<Integral>,
     target_from_source: Similarity,
     figures: Figures,
