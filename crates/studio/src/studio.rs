@@ -7,6 +7,7 @@ use std::{
 };
 
 use mimesh_pipeline::{Formats, Reach};
+use thread_priority::ThreadPriority;
 use tokio::sync::broadcast;
 
 use crate::{
@@ -42,6 +43,8 @@ pub struct Studio {
     pub preview: Preview,
     /// Threads of the fast preview, so that it does not wait for what takes long.
     pub fast_pool: rayon::ThreadPool,
+    /// Threads of what nobody waits for; the preview goes before them.
+    pub calm_pool: rayon::ThreadPool,
     /// The pipeline's own result.
     pub results: ResultEngine,
     /// Checks of the pipeline.
@@ -49,6 +52,14 @@ pub struct Studio {
     project: RwLock<Option<Arc<Project>>>,
     /// Files that runs have written, which pages may open.
     written: RwLock<HashSet<PathBuf>>,
+}
+
+fn calm_pool() -> std::result::Result<rayon::ThreadPool, rayon::ThreadPoolBuildError> {
+    let lower = |_| {
+        // Where the system does not allow it, the preview is slower for a moment.
+        let _ = thread_priority::set_current_thread_priority(ThreadPriority::Min);
+    };
+    rayon::ThreadPoolBuilder::new().thread_name(|i| format!("ahead {}", i + 1)).start_handler(lower).build()
 }
 
 impl Studio {
@@ -75,6 +86,7 @@ impl Studio {
             events,
             preview: Preview::default(),
             fast_pool: rayon::ThreadPoolBuilder::new().thread_name(|i| format!("preview {}", i + 1)).build()?,
+            calm_pool: calm_pool()?,
             results: ResultEngine::default(),
             project: RwLock::default(),
             checks: Checks::new()?,

@@ -41,8 +41,9 @@ struct Wanted {
 }
 
 impl Wanted {
+    /// Nothing while a point is dragged: the preview needs the processor, and the frames change when the drag ends.
     fn of(wish: &Wish) -> Option<Self> {
-        let look = wish.look.as_ref().filter(|look| look.ahead)?;
+        let look = wish.look.as_ref().filter(|look| look.ahead && wish.drag.is_none())?;
         Some(Self { changes: wish.changes, scalar: look.scalar.clone() })
     }
 }
@@ -123,12 +124,15 @@ impl Page {
         };
         let missing: Vec<usize> = frames.into_iter().filter(|i| bound.frames.get(*i, scalar).is_none()).collect();
         let ahead = Ahead::new(&project, &live, &bound, scalar);
-        let computed = missing.into_par_iter().with_max_len(4).try_fold(Instant::now, |latest, i| {
-            cancel.check();
-            ahead.frame(i)?;
-            Ok(progress(latest))
+        let computed = self.studio.calm_pool.install(|| {
+            let computed = missing.into_par_iter().with_max_len(4).try_fold(Instant::now, |latest, i| {
+                cancel.check();
+                ahead.frame(i)?;
+                Ok(progress(latest))
+            });
+            computed.try_reduce(Instant::now, |latest, _| Ok(latest))
         });
-        match computed.try_reduce(Instant::now, |latest, _| Ok(latest)) {
+        match computed {
             Ok(_) => self.tell_now(told(count, pipeline, None)),
             Err(error) => self.tell_now(told(done.into_inner(), pipeline, Some(error))),
         }
@@ -188,7 +192,19 @@ fn absolute(relative: &[f32], origin: Vector3<f64>) -> Vec<Point3<f64>> {
 
 #[cfg(test)]
 mod tests {
+    use serde_json::{from_value, json};
+
     use super::*;
+
+    #[test]
+    fn nothing_is_computed_ahead_during_a_drag() {
+        let look = json!({ "look": 1, "pose": { "index": 0 }, "channels": ["result"], "ahead": true });
+        let drag = json!({ "drag": 1, "pair": 1, "side": "target", "point": { "vertex": 3 } });
+        let mut wish = Wish { look: Some(from_value(look).unwrap()), ..Wish::default() };
+        assert!(Wanted::of(&wish).is_some());
+        wish.drag = Some(from_value(drag).unwrap());
+        assert_eq!(Wanted::of(&wish), None);
+    }
 
     #[test]
     fn positions_come_back() {

@@ -121,18 +121,16 @@ impl Page {
 
     /// The pipeline's own result, when nothing has changed for a moment.
     async fn a_moment_later(self, mut wishes: watch::Receiver<Wish>) {
-        let mut shown: Option<Wish> = None;
         while wishes.changed().await.is_ok() {
             loop {
                 // Changes that come meanwhile put it off.
                 while tokio::time::timeout(CALM, wishes.changed()).await.is_ok_and(|changed| changed.is_ok()) {}
                 let wish = wishes.borrow_and_update().clone();
-                // The page has it. When the drag is over it wants it again, in place of the preview.
-                if wish.drag.is_some() && shown.as_ref().is_some_and(|shown| is_same_result(shown, &wish)) {
+                // The preview needs the processor. When the drag is over the page wants the result in place of it.
+                if wish.drag.is_some() {
                     break;
                 }
-                shown = None;
-                // Another pose stops the frame, and other markers or settings also the binding, which all poses share.
+                // Another pose stops the frame. Other markers or settings and a drag also stop the binding, which all poses share.
                 let (cancel, unbind) = (Cancel::default(), Cancel::default());
                 let (page, stop, stop_binding, of) = (self.clone(), cancel.clone(), unbind.clone(), wish.clone());
                 let mut work = tokio::task::spawn_blocking(move || stop.run(|| page.slow(&of, &stop, &stop_binding)));
@@ -140,9 +138,9 @@ impl Page {
                     tokio::select! {
                         done = &mut work => break Some(done),
                         changed = wishes.changed() => match changed {
-                            Ok(()) if !is_same_result(&wish, &wishes.borrow()) => {
+                            Ok(()) if !is_wanted(&wish, &wishes.borrow()) => {
                                 cancel.cancel();
-                                if wish.changes != wishes.borrow().changes {
+                                if wish.changes != wishes.borrow().changes || wishes.borrow().drag.is_some() {
                                     unbind.cancel();
                                     break None;
                                 }
@@ -162,14 +160,14 @@ impl Page {
                         self.tell(state("result", LiveState::Failed, 0, Some(error))).await;
                     }
                     Some(Ok(Err(Stopped::Cancelled))) => continue,
-                    Some(_) => shown = Some(wish.clone()),
+                    Some(_) => {}
                     None => {
                         let _ = work.await;
                         continue;
                     }
                 }
                 // A wish that came when it was too late to stop the work was taken note of above, and must not be forgotten.
-                if is_same_result(&wish, &wishes.borrow()) {
+                if is_wanted(&wish, &wishes.borrow()) {
                     break;
                 }
             }
@@ -219,7 +217,24 @@ impl Page {
     }
 }
 
-/// Whether both wishes have the same result: a drag alone has no other.
-fn is_same_result(a: &Wish, b: &Wish) -> bool {
-    a.look == b.look && a.changes == b.changes
+/// Whether the result that `begun` asked for is still wanted.
+fn is_wanted(begun: &Wish, newest: &Wish) -> bool {
+    begun.look == newest.look && begun.changes == newest.changes && newest.drag.is_none()
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::{from_value, json};
+
+    use super::*;
+
+    #[test]
+    fn a_drag_or_another_pose_makes_a_result_unwanted() {
+        let look = |index| Some(from_value(json!({ "look": 1, "pose": { "index": index }, "channels": [] })).unwrap());
+        let begun = Wish { look: look(0), ..Wish::default() };
+        assert!(is_wanted(&begun, &begun.clone()));
+        assert!(!is_wanted(&begun, &Wish { look: look(1), ..Wish::default() }));
+        let drag = json!({ "drag": 1, "pair": 1, "side": "target", "point": { "vertex": 3 } });
+        assert!(!is_wanted(&begun, &Wish { drag: from_value(drag).unwrap(), ..begun.clone() }));
+    }
 }
