@@ -18,6 +18,9 @@ const MAX_WRITTEN: usize = 20_000;
 /// Formats of 32-bit numbers round to this part of the largest coordinate; a little more for sums of them.
 const ROUNDING: f64 = 1e-6;
 
+/// The smallest 32-bit number: below some 1e-38 numbers lie as far apart, however small they are.
+const SMALLEST: f64 = 1.5e-45;
+
 /// Reads `bytes` as a file with the extension `name`.
 ///
 /// # Errors
@@ -167,7 +170,7 @@ fn again(format: &dyn Format, name: &str, sequence: &MeshSequence) -> Result<(),
         return Err(format!("{} corners after writing and reading, there were {}", new.len(), old.len()));
     }
     let far = old.iter().zip(&new).map(|(old, new)| (old - new).amax()).fold(0.0, f64::max);
-    if far > ROUNDING * largest {
+    if far > ROUNDING * largest + SMALLEST {
         Err(format!("{far:e} away after writing and reading, of {largest:e}"))
     } else {
         Ok(())

@@ -2,7 +2,9 @@
 
 use std::{
     collections::HashSet,
-    fs, io,
+    fs::{self, File},
+    io::{self, Seek, Write},
+    path::PathBuf,
     time::{Duration, Instant},
 };
 
@@ -12,6 +14,9 @@ use crate::{Target, corpus, limits, mutate::mutated};
 
 /// The file that holds the input at hand: what it is when the process dies is a finding.
 pub const CURRENT: &str = "findings/current";
+
+/// Outcomes are alike if they begin with the same words.
+const WORDS: usize = 10;
 
 /// What came of some time.
 #[derive(Clone, Copy, Debug, Default)]
@@ -31,50 +36,88 @@ pub struct Tally {
 /// Those of the system.
 pub fn fuzz(target: &Target, time: Duration, seed: u64) -> io::Result<Tally> {
     let mut random = Random::new(seed ^ corpus::hash(target.name.as_bytes()));
-    let mut all: Vec<Vec<u8>> = Vec::new();
-    for folder in ["corpus", "grown"] {
-        all.extend(corpus::files(folder, target.name)?.into_iter().map(|(_, bytes)| bytes));
-    }
-    if all.is_empty() {
-        all.push(Vec::new());
-    }
-    fs::create_dir_all(corpus::home().join("findings"))?;
-    let current = corpus::home().join(CURRENT);
+    let seeds = corpus::files("corpus", target.name)?;
+    let seed_count = seeds.len() as u64;
+    let mut known: Vec<(Option<PathBuf>, Vec<u8>)> = seeds.into_iter().map(|(_, bytes)| (None, bytes)).collect();
+    let grown = corpus::home().join("grown").join(target.name);
+    known.extend(corpus::files("grown", target.name)?.into_iter().map(|(name, bytes)| (Some(grown.join(name)), bytes)));
+    let mut current = Current::new()?;
     let (mut outcomes, mut broken) = (HashSet::new(), HashSet::new());
     let (start, mut tally) = (Instant::now(), Tally::default());
-    let known = all.len();
+    let mut all: Vec<Vec<u8>> = Vec::new();
+    let mut known = known.into_iter();
     while start.elapsed() < time {
-        let number = tally.runs as usize;
-        // Those of the corpus first, as they are.
-        let bytes = if number < known {
-            all[number].clone()
-        } else {
-            let (from, other) = (random.index(all.len()), random.index(all.len()));
-            mutated(&mut random, target, &all[from], &all[other])
+        // What is known first, as it is.
+        let (path, bytes) = match known.next() {
+            Some((path, bytes)) => (path, bytes),
+            None if all.is_empty() => (None, Vec::new()),
+            None => {
+                let (from, other) = (random.index(all.len()), random.index(all.len()));
+                (None, mutated(&mut random, target, &all[from], &all[other]))
+            }
         };
-        fs::write(&current, &bytes)?;
+        current.put(&bytes)?;
+        let is_seed = tally.runs < seed_count;
         tally.runs += 1;
         match limits::run(target, &bytes) {
-            Ok(outcome) => {
-                if outcomes.insert(corpus::hash(without_numbers(&outcome).as_bytes())) && number >= known {
+            Ok(outcome) if outcomes.insert(kind(&outcome)) || is_seed => {
+                if path.is_none() && !is_seed {
                     corpus::put("grown", target.name, &bytes)?;
-                    all.push(bytes);
+                }
+                all.push(bytes);
+            }
+            Ok(_) => {
+                if let Some(path) = path {
+                    fs::remove_file(path)?;
                 }
             }
             Err(promise) => {
-                if broken.insert(without_numbers(&promise)) {
+                if broken.insert(kind(&promise)) {
                     let path = corpus::put("findings", target.name, &bytes)?;
                     println!("{}: {promise}: {}", target.name, path.display());
                 }
             }
         }
     }
-    fs::remove_file(&current)?;
+    current.end()?;
     Ok(Tally { corpus: all.len(), findings: broken.len(), ..tally })
 }
 
-/// A text without its numbers and what it quotes, so that outcomes of one kind are equal.
-fn without_numbers(text: &str) -> String {
-    let outside = text.split('`').step_by(2).collect::<String>();
-    outside.chars().filter(|c| c.is_alphabetic() || *c == ' ').take(300).collect()
+/// The file [`CURRENT`].
+struct Current {
+    path: PathBuf,
+    file: File,
+}
+
+impl Current {
+    fn new() -> io::Result<Self> {
+        let path = corpus::home().join(CURRENT);
+        fs::create_dir_all(corpus::home().join("findings"))?;
+        let file = File::create(&path)?;
+        Ok(Self { path, file })
+    }
+
+    /// Puts `bytes` in place of what was there. A file that is cut to nothing first would wait for the disk.
+    fn put(&mut self, bytes: &[u8]) -> io::Result<()> {
+        self.file.rewind()?;
+        self.file.write_all(bytes)?;
+        self.file.set_len(bytes.len() as u64)
+    }
+
+    fn end(self) -> io::Result<()> {
+        fs::remove_file(self.path)
+    }
+}
+
+/// The first words of an outcome that are its own: without numbers, names, and what it quotes of the file.
+fn kind(outcome: &str) -> String {
+    let line = outcome.lines().next().unwrap_or_default();
+    // What is quoted may hold quotes itself, so all between the first and the last is left out.
+    let quotes = ['`', '"'];
+    let before = line.split(quotes).next().unwrap_or_default();
+    let after = if before == line { "" } else { line.rsplit(quotes).next().unwrap_or_default() };
+    let own = format!("{before} {after}");
+    let words = own.split_whitespace().map(|word| word.trim_end_matches([':', ',', ';', '.']));
+    let is_word = |word: &&str| word.len() > 1 && word.chars().all(|c| c.is_ascii_lowercase());
+    words.filter(is_word).take(WORDS).collect::<Vec<_>>().join(" ")
 }

@@ -1,7 +1,7 @@
 // A drag: from the hand to the picture.
 import { pointOnScreen } from '../places.mjs';
 
-/** Milliseconds from a move of the mouse to the end of the picture of the target that it made. */
+/** Milliseconds from a move of the mouse to the end of the picture of the target that it made, for `count` pictures of one drag. */
 export async function dragAbout(page, count) {
   const id = await page.evaluate(
     () => window.mimesh.studio.markers.pairs.peek().find((pair) => pair.source && pair.target).id,
@@ -40,7 +40,8 @@ export async function dragAbout(page, count) {
   const body = await page.evaluate(middleOfMesh);
   await page.mouse.move(x, y);
   await page.mouse.down();
-  for (let i = 1; i <= count; i++) {
+  for (let i = 1; (await page.evaluate(() => window.latencies.length)) < count; i++) {
+    if (i > 20 * count) throw new Error('pictures do not follow the drag');
     await page.mouse.move(body.x + 12 * Math.sin(i / 5), body.y + 8 * Math.cos(i / 5));
     await page.waitForTimeout(60);
   }
