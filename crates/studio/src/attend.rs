@@ -27,8 +27,8 @@ use crate::{
 /// How often files are looked at that somebody else may change.
 const WATCH: Duration = Duration::from_secs(1);
 
-/// What a check is about: project, revision of the pipeline, and number of pairs.
-type Subject = (u64, u64, usize);
+/// What a check is about: project, revision of the pipeline, number of pairs, and saves of masks.
+type Subject = (u64, u64, usize, u64);
 
 impl Studio {
     /// Checks the pipeline whenever it or the markers changed, and looks for changes on the disk; it does not end.
@@ -53,7 +53,8 @@ impl Studio {
         }
         let project = self.current()?;
         let usable = project.markers.usable();
-        let now = (project.number, project.pipeline.revision(), usable.markers.len());
+        let masks = project.masks_saved.load(Ordering::Relaxed);
+        let now = (project.number, project.pipeline.revision(), usable.markers.len(), masks);
         if known == Some(now) || self.checks.running.load(Ordering::Relaxed) >= MAX_CHECKS {
             return known;
         }

@@ -94,11 +94,24 @@ pub fn relative(positions: &[Point3<f64>], origin: Vector3<f64>) -> Vec<f32> {
     positions.iter().flat_map(|p| (p.coords - origin).iter().map(|x| *x as f32).collect::<Vec<_>>()).collect()
 }
 
+/// Positions that were relative to `origin`.
+pub fn absolute(relative: &[f32], origin: Vector3<f64>) -> Vec<Point3<f64>> {
+    let (points, _) = relative.as_chunks::<3>();
+    points.iter().map(|p| Point3::from(origin + Vector3::from(p.map(f64::from)))).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
 
     use super::*;
+
+    #[test]
+    fn positions_come_back() {
+        let points = [Point3::new(1.0, 2.0, 3.0), Point3::new(-4.0, 5.5, 6.0)];
+        let origin = Vector3::new(10.0, 0.0, -3.0);
+        assert_eq!(absolute(&relative(&points, origin), origin), points);
+    }
 
     #[test]
     fn the_layout_is_that_of_the_protocol() {

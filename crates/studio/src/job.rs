@@ -93,7 +93,7 @@ struct PosesDone {
 pub struct JobView {
     id: u64,
     kind: JobKind,
-    /// The project that it is about.
+    /// The project that it is about, by its number when it was opened.
     project: u64,
     state: JobStatus,
     stage: Option<String>,

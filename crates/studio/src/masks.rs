@@ -3,6 +3,7 @@
 use std::{
     fs,
     path::{Path, PathBuf},
+    sync::atomic::Ordering,
 };
 
 use mimesh_markers::MeshRole;
@@ -118,7 +119,9 @@ impl Project {
     pub fn delete_mask(&self, side: Side, name: &str) -> Result<()> {
         let file = self.mask_file(side, name)?;
         fs::remove_file(file)
-            .map_err(|_| ApiError::not_found(format!("there is no mask `{name}` of the {}", side.role())))
+            .map_err(|_| ApiError::not_found(format!("there is no mask `{name}` of the {}", side.role())))?;
+        self.masks_saved.fetch_add(1, Ordering::Relaxed);
+        Ok(())
     }
 
     fn put_mask(&self, side: Side, name: &str, contents: Value, replaced: bool) -> Result<Mask> {
@@ -135,6 +138,7 @@ impl Project {
             whole.extend(contents);
         }
         durable::write(&file, format!("{whole}\n").as_bytes())?;
+        self.masks_saved.fetch_add(1, Ordering::Relaxed);
         mask_of(&file).ok_or_else(|| ApiError::bad("the name of the mask cannot be read back"))
     }
 

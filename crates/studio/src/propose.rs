@@ -28,7 +28,7 @@ impl Studio {
     /// If that is under way already.
     pub fn propose(self: &Arc<Self>, project: Arc<Project>, other: usize) -> Result<Arc<JobView>> {
         let studio = self.clone();
-        self.jobs.start(JobKind::Propose, project.number, move |job| studio.proposed(&project, other, job))
+        self.jobs.start(JobKind::Propose, project.opened, move |job| studio.proposed(&project, other, job))
     }
 
     fn proposed(&self, project: &Project, other: usize, job: &Job) -> Result<Outcome> {

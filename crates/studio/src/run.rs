@@ -27,7 +27,7 @@ impl Studio {
     pub fn run(self: &Arc<Self>) -> Result<Arc<JobView>> {
         let project = self.project()?;
         let studio = self.clone();
-        self.jobs.start(JobKind::Run, project.number, move |job| studio.run_all(&project, job))
+        self.jobs.start(JobKind::Run, project.opened, move |job| studio.run_all(&project, job))
     }
 
     fn run_all(&self, project: &Project, job: &Job) -> Result<Outcome> {
@@ -71,7 +71,7 @@ impl Studio {
             "report": if reports.len() == 1 { json!(one) } else { json!(reports) },
             "summary": Summary::new(one, &(self.context.help)(project.pipeline.file())),
             "of": { "project": project.number, "markers": markers, "pipeline": pipeline },
-            "worst": prepared.map(|prepared| worst(one, prepared, number_at)).unwrap_or_default(),
+            "worst": prepared.map(|prepared| worst(one, project, prepared, number_at)).unwrap_or_default(),
         });
         self.allow_written(written);
         Ok(Outcome { warnings, result: Some(result) })
@@ -101,11 +101,16 @@ fn escaped(path: &Path) -> String {
 }
 
 /// All statistics above their limits, worst first.
-fn worst(report: &Report, prepared: &Prepared, number_at: impl Fn(usize) -> Option<usize>) -> Vec<Worst> {
+fn worst(
+    report: &Report,
+    project: &Project,
+    prepared: &Prepared,
+    number_at: impl Fn(usize) -> Option<usize>,
+) -> Vec<Worst> {
     let of_rest = report.rest_verdict.iter().flat_map(|verdict| verdict.reasons.iter().map(|reason| (None, reason)));
     let of_poses = report.poses.iter().enumerate().flat_map(|(i, pose)| {
         pose.verdict.iter().flat_map(move |verdict| verdict.reasons.iter().map(move |reason| (Some(i), reason)))
     });
-    let one = |(pose, reason)| Worst::new(pose, reason, prepared, None).renumbered(&number_at);
+    let one = |(pose, reason)| Worst::new(pose, reason, project, prepared, None).renumbered(&number_at);
     Worst::sorted(of_rest.chain(of_poses).map(one).collect())
 }

@@ -8,6 +8,8 @@ use mimesh_pipeline::{
 };
 use serde::Serialize;
 
+use crate::project::Project;
+
 /// The most entries of a list.
 const MAX_ENTRIES: usize = 200;
 
@@ -34,14 +36,22 @@ pub struct Worst {
 }
 
 impl Worst {
-    /// The statistic that `reason` of `pose` is about; `measured` are the measurements of the pose, if they are at hand.
-    pub fn new(pose: Option<usize>, reason: &Reason, prepared: &Prepared, measured: Option<&PoseMeasurements>) -> Self {
+    /// The statistic that `reason` is about, of the pose at a place among those of `prepared`, which `project` counts in its own way;
+    /// `measured` are the measurements of the pose, if they are at hand.
+    pub fn new(
+        place: Option<usize>,
+        reason: &Reason,
+        project: &Project,
+        prepared: &Prepared,
+        measured: Option<&PoseMeasurements>,
+    ) -> Self {
+        let named = place.and_then(|place| prepared.poses.get(place));
         let metric = prepared.metrics.iter().find(|metric| metric.typetag_name() == reason.metric);
         let statistics = metric.map(|metric| metric.statistics()).unwrap_or_default();
         let statistic = statistics.iter().find(|statistic| statistic.name == reason.statistic);
         Self {
-            pose,
-            pose_name: pose.and_then(|i| prepared.poses.get(i)).map(|pose| pose.name.clone()),
+            pose: place.and_then(|place| project.index_of(prepared, place)),
+            pose_name: named.map(|pose| pose.name.clone()),
             metric: reason.metric.clone(),
             title: format!("{} {}", reason.metric, reason.statistic).replace('_', " "),
             value: reason.value,

@@ -4,7 +4,7 @@ mod common;
 
 use std::{fs, path::Path};
 
-use common::{Client, sample, serve};
+use common::{Client, sample, serve, weights};
 use mimesh_studio::Start;
 use serde_json::{Value, json};
 
@@ -175,12 +175,7 @@ fn a_run_writes_what_the_pipeline_says() {
 fn masks_are_saved_beside_the_pipeline() {
     let folder = tempfile::tempdir().unwrap();
     let client = opened(folder.path());
-    let mut bytes = b"MSB1".to_vec();
-    let mut head = json!({ "arrays": [{ "name": "weights", "type": "f32", "length": 162 }] }).to_string();
-    head.push_str(&" ".repeat(head.len().next_multiple_of(4) - head.len()));
-    bytes.extend((head.len() as u32).to_le_bytes());
-    bytes.extend(head.as_bytes());
-    bytes.extend((0..162).flat_map(|i| (i as f32 / 162.0).to_le_bytes()));
+    let bytes = weights(&(0..162).map(|i| i as f32 / 162.0).collect::<Vec<_>>());
     let mask = client.send_bytes("PUT", "/api/masks/source/left%20ear", &bytes);
     assert_eq!(mask.status, 200, "{}", mask.json());
     assert!(folder.path().join("left ear.source.mask.json").exists());

@@ -20,8 +20,6 @@ interface State {
 export class Runs {
   private readonly studio: State;
   private readonly begun = new Map<number, RunOf>();
-  /** Another clip of the same meshes has another number. */
-  private readonly keys = new Map<number, string>();
 
   constructor(studio: State) {
     this.studio = studio;
@@ -29,7 +27,7 @@ export class Runs {
 
   /** Notes of what a job is, as long as it runs. */
   note(job: Job): void {
-    const project = job.project ?? this.studio.session.peek()?.project ?? null;
+    const project = this.studio.session.peek()?.project ?? null;
     if (job.state !== 'running' || this.begun.has(job.id) || project === null) return;
     this.begun.set(job.id, { project, ...this.studio.live.revisions.peek() });
   }
@@ -47,19 +45,13 @@ export class Runs {
     return of !== null && (of.project !== project || of.markers !== markers || of.pipeline !== pipeline);
   }
 
+  /** Another clip gives the project another number, but it was opened as the same. */
   private isOfPresent(job: Job): boolean {
-    const session = this.studio.session.value;
-    const project = job.project ?? this.of(job)?.project;
-    if (project === undefined || session === null || session.project === null) return false;
-    this.keys.set(session.project, keyOf(session));
-    return project === session.project || this.keys.get(project) === keyOf(session);
+    const opened = this.studio.session.value?.opened ?? null;
+    return opened !== null && job.project === opened;
   }
 
   private of(job: Job): RunOf | null {
     return job.result?.of ?? this.begun.get(job.id) ?? null;
   }
-}
-
-function keyOf({ name, source, target }: Session): string {
-  return JSON.stringify([name, source, target]);
 }

@@ -25,6 +25,8 @@ export interface Diagnostic {
 
 export interface Session {
   project: number | null;
+  /** The number of the project when its pipeline was opened. */
+  opened: number | null;
   version: string;
   allow_commands: boolean;
   name: string | null;
@@ -270,7 +272,7 @@ export interface Pipeline {
 export interface Job {
   id: number;
   kind: 'propose' | 'run';
-  /** The project that it is about. */
+  /** The project that it is about, by its number when it was opened. */
   project: number;
   state: 'running' | 'done' | 'failed' | 'cancelled';
   stage: string | null;

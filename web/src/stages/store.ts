@@ -6,6 +6,9 @@ import { signal } from '../ui/signal.ts';
 /** Of notices. */
 const TOPIC = 'pipeline';
 
+/** Milliseconds until the page asks for the end of a check. */
+const PATIENCE = 2000;
+
 /** The pipeline in the page. Changes are sent one after another, each on the revision that the one before made. */
 export class PipelineStore {
   readonly pipeline = signal<Pipeline | null>(null);
@@ -13,17 +16,32 @@ export class PipelineStore {
   /** What another page or program wrote while this page had a change of its own. */
   readonly conflict = signal<Pipeline | null>(null);
   private chain: Promise<void> = Promise.resolve();
+  private asking: ReturnType<typeof setTimeout> | undefined;
 
   /** The pipeline of another project, or of a server that was started anew: its revisions are not those from before. */
   open(pipeline: Pipeline): void {
     this.conflict.value = null;
     this.pipeline.value = complete(pipeline);
+    this.askLater();
   }
 
   receive(pipeline: Pipeline): void {
     const present = this.pipeline.peek();
     if (present && pipeline.revision < present.revision) return;
+    // The answer to a change may come after the event that says what its check found.
+    if (present?.revision === pipeline.revision && pipeline.checking && !present.checking) return;
     this.pipeline.value = complete(pipeline);
+    this.askLater();
+  }
+
+  /** Asks what a check has found if no event says so: one that came while the project was loading is lost. */
+  private askLater(): void {
+    if (!this.pipeline.peek()?.checking) return;
+    clearTimeout(this.asking);
+    this.asking = setTimeout(() => {
+      // Without an answer the connection is lost, and all is fetched anew when it is back.
+      api.pipeline().then((pipeline) => this.receive(pipeline), () => {});
+    }, PATIENCE);
   }
 
   set(path: Step[], value: unknown): Promise<void> {

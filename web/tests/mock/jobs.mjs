@@ -3,7 +3,7 @@ export function startJob(project, kind, tell) {
   const job = {
     id: project.jobs.length + 1,
     kind,
-    project: project.number,
+    project: project.opened,
     state: 'running',
     stage: 'correspondence',
     share: 0,

@@ -19,6 +19,7 @@ output: [out/camel.glb, out/report.html]
 export class Project {
   constructor(number, resolution, shapes, { source = 'horse.glb', target = 'camel.glb' } = {}) {
     this.number = number;
+    this.opened = number;
     this.shapes = shapes;
     this.files = { source: source.split('/').pop(), target: target.split('/').pop() };
     const kinds = { source: kindOf(source), target: kindOf(target) };
@@ -73,6 +74,7 @@ export class Project {
       : Array.from({ length: FRAMES }, (_, i) => `${this.clip} ${i}`);
     return {
       project: this.number,
+      opened: this.opened,
       version: '0.1.0',
       allow_commands: false,
       name: `${stem(this.files.target)}-from-${stem(this.files.source)}`,

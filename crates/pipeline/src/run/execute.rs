@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use serde_json::Value;
 use tracing::info_span;
 
-use super::{measure::Measurer, poses::PoseRunner, shapes::Shapes, stages::Stages, stream::Stream, written};
+use super::{measure::Measurer, poses::PoseRunner, stages::Stages, stream::Stream, written};
 use crate::{
     cache::{Cache, LastRun},
     check::no_pose_fits,
@@ -22,6 +22,7 @@ use crate::{
     progress::Progress,
     report::{Clock, InputReport, MeshFigures, PoseReport, ProposedMarker, Report, RunOf, usage},
     rest_choice::warning_of_rest,
+    shapes::ShapeEditor,
     staging::{Staged, Transaction},
 };
 
@@ -99,7 +100,7 @@ fn execute(prepared: &Prepared, plan: &Plan, cache: Option<&Cache>, progress: &d
     let thumbnails = prepared.outputs.are_visual().then(|| Thumbnails::new(prepared, stages.cached_map()));
     let measurer =
         Measurer { prepared, metrics: &metrics, measured: measured.as_deref(), thumbnails: thumbnails.as_ref() };
-    let shapes = Shapes::new(prepared, &stages);
+    let shapes = ShapeEditor::new(prepared, stages.pair());
     let runner =
         PoseRunner { prepared, transaction: &transaction, stages: &stages, measurer: &measurer, shapes: &shapes };
     let clock = Clock::start();

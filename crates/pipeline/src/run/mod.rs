@@ -6,7 +6,6 @@ mod measure;
 mod pose_steps;
 mod poses;
 mod schedule;
-mod shapes;
 mod stages;
 mod stream;
 mod written;

@@ -15,12 +15,12 @@ use tracing::{Span, debug_span};
 
 use super::{
     measure::{Measurer, PosedPose},
-    shapes::Shapes,
     stages::Stages,
 };
 use crate::{
     cache::PosedTarget,
     input::{PoseFrom, PoseInput, Prepared, read_pose},
+    shapes::ShapeEditor,
     staging::Transaction,
 };
 
@@ -35,7 +35,7 @@ pub(super) struct PoseRunner<'a> {
     /// The measurements and the pictures.
     pub measurer: &'a Measurer<'a>,
     /// Changes shapes as the pipeline says.
-    pub shapes: &'a Shapes<'a>,
+    pub shapes: &'a ShapeEditor<'a>,
 }
 
 /// Something of a pose, or why there is none.
@@ -122,7 +122,7 @@ impl<'a> PoseRunner<'a> {
     /// The target's mesh when the source is at `source`.
     fn target(&self, i: usize, source: &SourcePose, transferred: Result<Transferred>) -> Result<PosedTarget> {
         let Transferred { mut positions, mut figures } = transferred?;
-        self.shapes.edit(i, &source.surface, &mut positions)?;
+        self.shapes.edit(i, &source.surface, &mut positions, || self.stages.cached_map())?;
         if source.opened > 0 {
             figures.warn(format!(
                 "{} vertices of the source lie on a seam that is closed at rest and opens in this pose; it is taken for closed: name them by `opened_seams` in `source` if they are to open",

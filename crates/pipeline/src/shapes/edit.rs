@@ -7,7 +7,7 @@ use serde::Serialize;
 use crate::{axis::Axis, input::PoseInput};
 
 /// What becomes of one shape once the target has it.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct ShapeEdit {
     /// It is mirrored along this axis.
     pub mirrored: Option<Axis>,
@@ -31,7 +31,7 @@ impl ShapeEdit {
 }
 
 /// A part of the target's surface.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub enum Region {
     /// The vertices for which this is `true` (#V).
     Inside(Vec<bool>),

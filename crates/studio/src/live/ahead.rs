@@ -11,7 +11,7 @@ use std::{
 };
 
 use mimesh_core::{mesh::PosesAre, stage::BoundMetric};
-use nalgebra::{Point3, Vector3};
+use nalgebra::Vector3;
 use rayon::prelude::*;
 use tokio::sync::watch;
 
@@ -165,9 +165,9 @@ impl<'a> Ahead<'a> {
         let frames = &self.bound.frames;
         let source = self.project.pose(index)?;
         let target = match frames.positions(index) {
-            Some(positions) => absolute(&positions, self.origin),
+            Some(positions) => container::absolute(&positions, self.origin),
             None => {
-                let target = self.bound.at(&source)?;
+                let target = self.bound.at(self.project, &PoseRef::Index { index }, &source)?;
                 frames.put(index, Arc::new(container::relative(&target, self.origin)));
                 target
             }
@@ -184,12 +184,6 @@ impl<'a> Ahead<'a> {
     }
 }
 
-/// Positions that were relative to `origin`.
-fn absolute(relative: &[f32], origin: Vector3<f64>) -> Vec<Point3<f64>> {
-    let (points, _) = relative.as_chunks::<3>();
-    points.iter().map(|p| Point3::from(origin + Vector3::from(p.map(f64::from)))).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use serde_json::{from_value, json};
@@ -204,12 +198,5 @@ mod tests {
         assert!(Wanted::of(&wish).is_some());
         wish.drag = Some(from_value(drag).unwrap());
         assert_eq!(Wanted::of(&wish), None);
-    }
-
-    #[test]
-    fn positions_come_back() {
-        let points = [Point3::new(1.0, 2.0, 3.0), Point3::new(-4.0, 5.5, 6.0)];
-        let origin = Vector3::new(10.0, 0.0, -3.0);
-        assert_eq!(absolute(&container::relative(&points, origin), origin), points);
     }
 }

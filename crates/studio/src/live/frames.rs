@@ -51,9 +51,14 @@ impl Frames {
         self.lock().positions.get(&index).cloned()
     }
 
-    /// Takes the positions of the frame `index`.
+    /// Takes the positions of the frame `index`, if there is room for it.
     pub fn put(&self, index: usize, positions: Positions) {
-        self.lock().positions.insert(index, positions);
+        let mut state = self.lock();
+        // Three numbers of four bytes a vertex.
+        let bytes = VERTEX_BYTES * positions.len() / 3;
+        if (state.positions.len() + 1) * bytes <= MAX_BYTES || state.positions.is_empty() {
+            state.positions.insert(index, positions);
+        }
     }
 
     /// Takes the colours of the frame `index` in the colour map `scalar`; those of another map leave.

@@ -1,11 +1,14 @@
 //! What metrics say of the target in a pose.
 
-use mimesh_core::stage::{BoundMetric, MetricContext, MetricInput, Posed, TransferPair, TriangleMap};
+use mimesh_core::stage::{BoundMetric, MetricContext, MetricInput, Posed, TriangleMap};
 use mimesh_pipeline::metrics::MetricSet;
 use nalgebra::Point3;
 
-use super::pair::LiveMarkers;
-use crate::{project::Ready, worst::Worst};
+use super::pair::{LiveMarkers, pair};
+use crate::{
+    project::{Project, Ready},
+    worst::Worst,
+};
 
 /// A colour of each vertex of the target's file.
 #[derive(Clone, Debug)]
@@ -37,14 +40,8 @@ pub struct Looked<'a> {
 
 impl<'a> Looked<'a> {
     fn context(&self) -> MetricContext<'a> {
-        let prepared = &self.ready.prepared;
-        let pair = TransferPair {
-            source: &prepared.source.surface,
-            target: prepared.target.seen_surface(),
-            markers: &self.live.markers,
-            proximity: prepared.proximity.as_ref().map(|proximity| &proximity.graph),
-        };
-        let rest = &prepared.target.sequence.rest;
+        let pair = pair(self.ready, self.live);
+        let rest = &self.ready.prepared.target.sequence.rest;
         MetricContext { rest, surface: pair.target, pair: Some(pair), map: self.map }
     }
 
@@ -79,18 +76,20 @@ impl<'a> Looked<'a> {
         is_whole.then_some(Field { words: measured.field_unit, values, high: measured.field_high })
     }
 
-    /// What is above its limit in this pose, number `pose`, worst first.
-    pub fn worst(&self, pose: Option<usize>) -> Vec<Worst> {
+    /// What is above its limit in this pose, number `index` of `project`, worst first.
+    pub fn worst(&self, project: &Project, index: Option<usize>) -> Vec<Worst> {
         let prepared = &self.ready.prepared;
         let Ok(set) = MetricSet::bind(&prepared.metrics, self.context()) else { return vec![] };
         let set = set.with_gates(&prepared.gates);
         let Some(measured) = self.measure(|input| Some(set.measure(input))) else { return vec![] };
         let metrics = measured.metrics();
+        let pose = index.and_then(|index| self.ready.place_of(project.poses.get(index)?));
         let of_rest =
             set.rest_verdict(&metrics).into_iter().flat_map(|verdict| verdict.reasons).map(|reason| (None, reason));
         let of_pose =
             set.verdict(&metrics).into_iter().flat_map(|verdict| verdict.reasons).map(|reason| (pose, reason));
-        let list = of_rest.chain(of_pose).map(|(pose, reason)| Worst::new(pose, &reason, prepared, Some(&measured)));
+        let list =
+            of_rest.chain(of_pose).map(|(pose, reason)| Worst::new(pose, &reason, project, prepared, Some(&measured)));
         Worst::sorted(list.collect())
     }
 }

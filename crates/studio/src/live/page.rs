@@ -115,8 +115,9 @@ pub(super) fn truth_at(project: &Project, pose: &PoseRef) -> Option<Vec<nalgebra
     match pose {
         PoseRef::Rest if !prepared.truth.is_none() => Some(rest.positions.clone()),
         PoseRef::Index { index } => {
-            let name = &prepared.poses.get(*index)?.name;
-            prepared.truth.positions(*index, name, rest, &prepared.formats).ok().flatten()
+            let place = ready.place_of(project.poses.get(*index)?)?;
+            let name = &prepared.poses.get(place)?.name;
+            prepared.truth.positions(place, name, rest, &prepared.formats).ok().flatten()
         }
         _ => None,
     }

@@ -1,11 +1,11 @@
 //! The markers of a live result, with the point that is dragged where it is.
 
-use mimesh_core::stage::Marker;
+use mimesh_core::stage::{Marker, TransferPair};
 
 use super::look::Drag;
 use crate::{
     markers::{Point, Status, pair::Content},
-    project::Project,
+    project::{Project, Ready},
 };
 
 /// Markers of a live result.
@@ -71,4 +71,15 @@ fn partner(project: &Project, id: u64, k: usize) -> Option<(String, mimesh_core:
     let pair = pairs.iter().find(|pair| pair.id == id)?;
     let point: Point = pair.content.points[k].filter(|_| pair.content.status != Status::Skipped)?;
     Some((pair.label(), project.meshes.for_markers()[k].surface.point(point.into())?))
+}
+
+/// The surfaces of a pipeline with the pairs that are shown.
+pub(super) fn pair<'a>(ready: &'a Ready, live: &'a LiveMarkers) -> TransferPair<'a> {
+    let prepared = &ready.prepared;
+    TransferPair {
+        source: &prepared.source.surface,
+        target: prepared.target.seen_surface(),
+        markers: &live.markers,
+        proximity: prepared.proximity.as_ref().map(|proximity| &proximity.graph),
+    }
 }

@@ -2,15 +2,24 @@
 
 use std::sync::{Arc, Mutex, PoisonError, TryLockError};
 
-use mimesh_core::stage::{BindInput, BoundTransfer, TransferPair, TriangleMap, Work};
+use mimesh_core::{
+    mesh::PosesAre,
+    stage::{BindInput, BoundTransfer, TriangleMap, Work},
+};
 use mimesh_markers::IntoDiagnostic;
-use mimesh_pipeline::input::read_evenly_spaced;
+use mimesh_pipeline::{input::read_evenly_spaced, shapes::ShapeEditor};
 use nalgebra::Point3;
 use serde_json::{Value, json};
 
-use super::{frames::Frames, measure::Looked, pair::LiveMarkers};
+use super::{
+    frames::Frames,
+    look::PoseRef,
+    measure::Looked,
+    pair::{LiveMarkers, pair},
+};
 use crate::{
     cancel::Cancel,
+    container,
     error::{ApiError, Code, Result},
     project::{Project, Ready},
 };
@@ -117,12 +126,7 @@ fn bind(
         let stage = stage.to_owned();
         move |error: mimesh_core::Error| ApiError::from(error.into_diagnostic().doing(stage))
     };
-    let pair = TransferPair {
-        source: &prepared.source.surface,
-        target: prepared.target.seen_surface(),
-        markers: &live.markers,
-        proximity: prepared.proximity.as_ref().map(|proximity| &proximity.graph),
-    };
+    let pair = pair(&ready, live);
     let watched = |stage: String| {
         move |share: f64| {
             cancel.check();
@@ -162,11 +166,14 @@ fn bind(
 }
 
 impl BoundResult {
-    /// The same result, measured by other metrics.
+    /// The same transfer, with results measured by other metrics and changed by other settings of shapes.
     fn measured_by(&self, ready: Arc<Ready>) -> Self {
         let Self { project, live, stages, map, transfer, frames, .. } = self;
         let (live, stages, map, transfer) = (live.clone(), stages.clone(), map.clone(), transfer.clone());
-        Self { project: *project, live, ready, stages, map, transfer, frames: frames.plain() }
+        // Shapes that are masked or strengthened otherwise look otherwise.
+        let are_same = self.ready.prepared.shape_edits == ready.prepared.shape_edits;
+        let frames = if are_same { frames.plain() } else { Frames::default() };
+        Self { project: *project, live, ready, stages, map, transfer, frames }
     }
 
     /// The revision of the pipeline that it is of.
@@ -174,18 +181,57 @@ impl BoundResult {
         self.ready.revision
     }
 
-    /// The target's file when the source's is at `posed`.
+    /// What a run writes for `pose` of `project`, as the target's file, where the source's file is at `posed`.
+    ///
+    /// A blend of shapes is the blend of their results, as whoever has the file will blend them.
     ///
     /// # Errors
     ///
-    /// What the transfer refuses.
-    pub fn at(&self, posed: &[Point3<f64>]) -> Result<Vec<Point3<f64>>> {
+    /// What the transfer refuses, and poses that cannot be read.
+    pub fn at(&self, project: &Project, pose: &PoseRef, posed: &[Point3<f64>]) -> Result<Vec<Point3<f64>>> {
+        match pose {
+            PoseRef::Index { index } => self.transferred(posed, self.place(project, *index)),
+            PoseRef::Blend { blend } if project.poses_are == PosesAre::Shapes => self.blended(project, blend),
+            PoseRef::Blend { .. } | PoseRef::Rest => self.transferred(posed, None),
+        }
+    }
+
+    /// The place among the poses of the pipeline of the pose `index` of `project`; `None` if the pipeline leaves it out.
+    fn place(&self, project: &Project, index: usize) -> Option<usize> {
+        self.ready.place_of(project.poses.get(index)?)
+    }
+
+    /// The target at `posed`, changed as the pipeline says of its pose `place`.
+    fn transferred(&self, posed: &[Point3<f64>], place: Option<usize>) -> Result<Vec<Point3<f64>>> {
         let refused = |error: mimesh_core::Error| ApiError::from(error.into_diagnostic());
         let prepared = &self.ready.prepared;
         let source = prepared.source.surface.from_mesh(posed).map_err(refused)?;
-        let moved = self.transfer.transfer(&source).map_err(refused)?.positions;
+        let mut moved = self.transfer.transfer(&source).map_err(refused)?.positions;
+        if let Some(place) = place {
+            let editor = ShapeEditor::new(prepared, pair(&self.ready, &self.live));
+            editor.edit(place, &source, &mut moved, || self.map.as_deref()).map_err(refused)?;
+        }
         let moved = prepared.target.mirrored_positions(moved);
         prepared.target.surface.to_mesh(&moved).map_err(refused)
+    }
+
+    fn blended(&self, project: &Project, blend: &[(usize, f64)]) -> Result<Vec<Point3<f64>>> {
+        let rest = &self.ready.prepared.target.sequence.rest.positions;
+        let origin = project.meshes.origins[1];
+        let mut sum = rest.clone();
+        for &(index, weight) in blend.iter().filter(|(_, weight)| *weight != 0.0) {
+            let shape = match self.frames.positions(index) {
+                Some(shape) => container::absolute(&shape, origin),
+                None => {
+                    let shape = self.transferred(&*project.pose(index)?, self.place(project, index))?;
+                    self.frames.put(index, Arc::new(container::relative(&shape, origin)));
+                    shape
+                }
+            };
+            let moves = sum.iter_mut().zip(&shape).zip(rest);
+            moves.for_each(|((sum, shape), rest)| *sum += (shape - rest) * weight);
+        }
+        Ok(sum)
     }
 }
 

@@ -199,7 +199,7 @@ impl Page {
         let report = self.computing(live.revision);
         let bound = self.studio.results.bound(project, live, unbind, &report)?;
         cancel.check();
-        let target = bound.at(&source)?;
+        let target = bound.at(project, &look.pose, &source)?;
         cancel.check();
         let truth = truth_at(project, &look.pose);
         let looked = bound.looked(&source, &target, truth.as_deref());
@@ -211,7 +211,7 @@ impl Page {
         self.frame(shown.frame(&target, colours.as_ref()));
         self.tell_now(state("result", LiveState::Ready, live.revision, None));
         cancel.check();
-        let list = looked.worst(look.pose.index());
+        let list = looked.worst(project, look.pose.index());
         self.tell_now(Message::Worst { channel: "result", revision: live.revision, list });
         Ok(())
     }

@@ -13,6 +13,7 @@ const USUAL_RATE: f64 = 24.0;
 #[derive(Clone, Debug, Serialize)]
 pub struct SessionView {
     project: Option<u64>,
+    opened: Option<u64>,
     version: &'static str,
     allow_commands: bool,
     name: Option<String>,
@@ -63,6 +64,7 @@ impl SessionView {
         let version = env!("CARGO_PKG_VERSION");
         let empty = Self {
             project: None,
+            opened: None,
             version,
             allow_commands,
             name: None,
@@ -98,6 +100,7 @@ impl SessionView {
         };
         Self {
             project: Some(project.number),
+            opened: Some(project.opened),
             name: Some(project.name.clone()),
             source: facts(0),
             target: facts(1),

@@ -115,8 +115,10 @@ impl Project {
             Some(before) => before.markers.clone(),
             None => Arc::new(MarkerStore::open(file, meshes.clone(), initial)?),
         };
+        let number = number();
         Ok(Self {
-            number: number(),
+            number,
+            opened: before.map_or(number, |before| before.opened),
             name: paths::stem(pipeline.file()),
             meshes,
             poses,
@@ -128,6 +130,7 @@ impl Project {
             landmarks,
             markers,
             pipeline,
+            masks_saved: AtomicU64::new(0),
             opened_by,
             recent: RecentPoses::default(),
             ready: RwLock::new(None),

@@ -1,6 +1,6 @@
 //! The parts of a project.
 
-use std::sync::{Arc, PoisonError, RwLock};
+use std::sync::{Arc, PoisonError, RwLock, atomic::AtomicU64};
 
 use mimesh_core::{mesh::PosesAre, spatial::MeshUnits, stage::Landmarks};
 use mimesh_document::path;
@@ -15,6 +15,8 @@ use crate::{markers::MarkerStore, meshes::Meshes, pipeline::PipelineStore, scala
 pub struct Project {
     /// Differs from that of every other project, also of earlier servers.
     pub number: u64,
+    /// Its number when its pipeline was opened: another clip gives the project another number.
+    pub opened: u64,
     /// The name, for the title.
     pub name: String,
     /// The meshes at rest.
@@ -37,6 +39,8 @@ pub struct Project {
     pub markers: Arc<MarkerStore>,
     /// The pipeline.
     pub pipeline: Arc<PipelineStore>,
+    /// Counts changes of masks by pages.
+    pub masks_saved: AtomicU64,
     /// The part of the pipeline's value by which the meshes were read.
     pub(super) opened_by: Value,
     /// Poses that were read lately.
@@ -55,6 +59,14 @@ pub struct Ready {
     pub scalars: Vec<ScalarView>,
 }
 
+impl Ready {
+    /// The place of a pose of the source among those of the pipeline, which may leave some out and add mirrored ones.
+    pub fn place_of(&self, pose: &PoseInput) -> Option<usize> {
+        let Prepared { poses, shape_edits, .. } = &self.prepared;
+        poses.iter().zip(shape_edits).position(|(other, edit)| other.from == pose.from && edit.mirrored.is_none())
+    }
+}
+
 impl Project {
     /// The pipeline at the last revision without mistakes.
     pub fn ready(&self) -> Option<Arc<Ready>> {
@@ -64,6 +76,12 @@ impl Project {
     /// Notes what a check of the pipeline gave.
     pub fn set_ready(&self, ready: Option<Arc<Ready>>) {
         *self.ready.write().unwrap_or_else(PoisonError::into_inner) = ready;
+    }
+
+    /// Which pose is at a place among those of `prepared`; `None` for a shape that is made of another.
+    pub fn index_of(&self, prepared: &Prepared, place: usize) -> Option<usize> {
+        let (pose, edit) = (prepared.poses.get(place)?, prepared.shape_edits.get(place)?);
+        self.poses.iter().position(|other| other.from == pose.from).filter(|_| edit.mirrored.is_none())
     }
 
     /// Whether the pipeline names other meshes or poses now than when the project was opened.

@@ -98,6 +98,17 @@ pub fn serve(folder: &Path, start: Option<Start>) -> Client {
     Client::enter(&url)
 }
 
+/// What a page sends to save `weights` of vertices.
+pub fn weights(weights: &[f32]) -> Vec<u8> {
+    let mut bytes = b"MSB1".to_vec();
+    let mut head = json!({ "arrays": [{ "name": "weights", "type": "f32", "length": weights.len() }] }).to_string();
+    head.push_str(&" ".repeat(head.len().next_multiple_of(4) - head.len()));
+    bytes.extend((head.len() as u32).to_le_bytes());
+    bytes.extend(head.as_bytes());
+    bytes.extend(weights.iter().flat_map(|weight| weight.to_le_bytes()));
+    bytes
+}
+
 impl Client {
     /// Opens `url` as a browser does.
     pub fn enter(url: &str) -> Self {

@@ -7,41 +7,50 @@ use mimesh_core::{
     mesh::{PosesAre, Surface, SurfacePoint},
     operators::{keep_untouched, untouched},
     spatial::MirrorMap,
+    stage::{TransferPair, TriangleMap},
 };
 use nalgebra::{Point3, Vector3};
 
-use super::stages::Stages;
+use super::Region;
 use crate::{
     axis::Axis,
     input::{Prepared, read_pose},
-    shapes::Region,
 };
 
-/// Changes shapes as the pipeline says.
-pub(super) struct Shapes<'a> {
+/// Changes shapes of the target as the pipeline says.
+#[derive(Debug)]
+pub struct ShapeEditor<'a> {
     prepared: &'a Prepared,
-    stages: &'a Stages<'a>,
+    pair: TransferPair<'a>,
     /// A source point for each vertex of the target's surface, once they are needed.
     points: OnceLock<Vec<SurfacePoint>>,
     /// The two sides of the target, once they are needed.
     sides: OnceLock<MirrorMap>,
 }
 
-impl<'a> Shapes<'a> {
-    pub fn new(prepared: &'a Prepared, stages: &'a Stages<'a>) -> Self {
-        Self { prepared, stages, points: OnceLock::new(), sides: OnceLock::new() }
+impl<'a> ShapeEditor<'a> {
+    /// For the shapes of `prepared` between the surfaces of `pair`.
+    pub fn new(prepared: &'a Prepared, pair: TransferPair<'a>) -> Self {
+        Self { prepared, pair, points: OnceLock::new(), sides: OnceLock::new() }
     }
 
     /// Changes pose `i` of the target, at `positions` (#V of its surface), where the source is at `posed` (#V of its surface).
     ///
-    /// Vertices that follow vertices of the source that rest are taken back to rest, but in frames and where there is no map.
+    /// Vertices that follow vertices of the source that rest are taken back to rest, but in frames and where there is no map. `map` gives
+    /// the triangle map if there is one; it is called where that is needed.
     ///
     /// # Errors
     ///
     /// Those of reading the shape that a mask names, and of a surface that cannot be mirrored.
-    pub fn edit(&self, i: usize, posed: &[Point3<f64>], positions: &mut [Point3<f64>]) -> Result<()> {
+    pub fn edit<'m>(
+        &self,
+        i: usize,
+        posed: &[Point3<f64>],
+        positions: &mut [Point3<f64>],
+        map: impl Fn() -> Option<&'m TriangleMap>,
+    ) -> Result<()> {
         if self.prepared.poses_are == PosesAre::Shapes
-            && let Some(points) = self.points()?
+            && let Some(points) = self.points(&map)?
         {
             self.keep(&untouched(&self.prepared.source.surface, posed, points)?, positions)?;
         }
@@ -61,7 +70,7 @@ impl<'a> Shapes<'a> {
             Some(Region::MovedBy(pose)) => {
                 let Prepared { source, formats, .. } = self.prepared;
                 let other = source.surface.from_mesh(&read_pose(source, formats, &pose.from)?)?;
-                let points = self.points()?.ok_or_else(no_map)?;
+                let points = self.points(&map)?.ok_or_else(no_map)?;
                 self.keep(&untouched(&source.surface, &other, points)?, positions)?;
             }
             Some(Region::Shares(shares)) => {
@@ -97,12 +106,12 @@ impl<'a> Shapes<'a> {
         if untouched.contains(&true) { keep_untouched(self.rest(), positions, untouched) } else { Ok(()) }
     }
 
-    fn points(&self) -> Result<Option<&[SurfacePoint]>> {
+    fn points<'m>(&self, map: &impl Fn() -> Option<&'m TriangleMap>) -> Result<Option<&[SurfacePoint]>> {
         if let Some(points) = self.points.get() {
             return Ok(Some(points));
         }
-        let Some(map) = self.stages.cached_map() else { return Ok(None) };
-        let points = map.source_points(self.stages.pair())?;
+        let Some(map) = map() else { return Ok(None) };
+        let points = map.source_points(self.pair)?;
         Ok(Some(self.points.get_or_init(|| points)))
     }
 
