@@ -79,10 +79,7 @@ impl Place {
             let entry = match known.iter().position(|&other| other == accessor) {
                 Some(entry) => entry,
                 None => {
-                    let Some(stored) = vectors(document, accessor) else { continue };
-                    if stored.len() != placement.vertices.len() {
-                        continue;
-                    }
+                    let Some(stored) = vectors(document, accessor, placement.vertices.len()) else { continue };
                     place.normals.push(StoredNormals::new(stored, placement, posed, corners));
                     known.push(accessor);
                     known.len() - 1

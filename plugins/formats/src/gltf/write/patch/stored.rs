@@ -44,7 +44,7 @@ pub fn entries(document: &GltfDocument, index: usize) -> Option<Entries> {
     }
     let mut bytes = match number(accessor, "bufferView") {
         Some(view) => run(document, view, number(accessor, "byteOffset").unwrap_or(0), count, size, true)?,
-        None => vec![0; count.checked_mul(size).filter(|&length| length <= MAX_ZEROS)?],
+        None => vec![0; count.checked_mul(size).filter(|&length| length <= most_zeros(document))?],
     };
     if let Some(sparse) = accessor.get("sparse").filter(|sparse| sparse.is_object()) {
         let (indices, values) = (sparse.get("indices")?, sparse.get("values")?);
@@ -62,10 +62,10 @@ pub fn entries(document: &GltfDocument, index: usize) -> Option<Entries> {
     Some(Entries { bytes, size })
 }
 
-/// The entries of accessor `index` as three numbers each, normalised integers scaled to −1…1; `None` if it has others.
-pub fn vectors(document: &GltfDocument, index: usize) -> Option<Vec<[f64; 3]>> {
+/// The `count` entries of accessor `index` as three numbers each, normalised integers scaled to −1…1; `None` if it has others.
+pub fn vectors(document: &GltfDocument, index: usize, count: usize) -> Option<Vec<[f64; 3]>> {
     let accessor = list(&document.json, "accessors").get(index)?;
-    if components(accessor)? != 3 {
+    if components(accessor)? != 3 || number(accessor, "count")? != count {
         return None;
     }
     let Entries { bytes, size } = entries(document, index)?;
@@ -119,8 +119,13 @@ pub fn bounds(accessor: &Value, bytes: &[u8]) -> Option<(Vec<f64>, Vec<f64>)> {
     bounds
 }
 
-/// An accessor without data is all zeros; more bytes than this are taken for damage.
-const MAX_ZEROS: usize = 1 << 28;
+/// An accessor without data is all zeros. More bytes of them than this are taken for damage: memory grows with the file.
+fn most_zeros(document: &GltfDocument) -> usize {
+    const FEW: usize = 1 << 20;
+    const TIMES: usize = 8;
+    let bytes: usize = document.buffers.iter().chain(document.decompressed.values()).map(Vec::len).sum();
+    bytes.saturating_mul(TIMES).max(FEW)
+}
 
 /// The bytes of a view: unpacked if it is compressed.
 fn view(document: &GltfDocument, index: usize) -> Option<&[u8]> {
@@ -198,7 +203,8 @@ mod tests {
         let accessor =
             json!({ "bufferView": 0, "componentType": 5120, "normalized": true, "count": 1, "type": "VEC3" });
         let document = document(accessor, json!([{ "buffer": 0, "byteLength": 3 }]), &[0x80, 0, 127]);
-        assert_eq!(vectors(&document, 0).unwrap(), [[-1.0, 0.0, 1.0]]);
+        assert_eq!(vectors(&document, 0, 1).unwrap(), [[-1.0, 0.0, 1.0]]);
+        assert_eq!(vectors(&document, 0, 2), None);
     }
 
     #[test]
@@ -218,6 +224,8 @@ mod tests {
             json!({ "bufferView": 0, "componentType": 7, "count": 1, "type": "VEC3" }),
             json!({ "bufferView": 1, "componentType": 5126, "count": 1, "type": "SCALAR" }),
             json!({ "componentType": 5126, "count": u64::MAX / 2, "type": "SCALAR" }),
+            // A small file asks for 200 MB of zeros.
+            json!({ "componentType": 5126, "count": 1 << 24, "type": "VEC3" }),
         ] {
             assert!(entries(&document(accessor, views.clone(), &[0; 4]), 0).is_none());
         }
