@@ -38,8 +38,8 @@ mod transfer;
 
 use std::process::ExitCode;
 
-use clap::{CommandFactory, Parser, Subcommand};
-use mimesh_document::diagnostic;
+use clap::{CommandFactory, Parser, Subcommand, error::ErrorKind};
+use mimesh_document::{Diagnostic, Kind, diagnostic};
 use mimesh_pipeline::input::ViewScript;
 
 use crate::cli::status::Status;
@@ -92,6 +92,17 @@ enum Command {
     Completions(completions::Completions),
 }
 
+/// Which argument is no Unicode; only names of files may be none.
+fn not_unicode() -> Diagnostic {
+    let arguments = std::env::args_os().skip(1).filter(|argument| argument.to_str().is_none());
+    let mut named: Vec<String> = arguments.map(|argument| format!("`{}`", argument.to_string_lossy())).collect();
+    if named.is_empty() {
+        named.push(format!("the environment variable {}", memory::VARIABLE));
+    }
+    let message = format!("{}: expected Unicode", named.join(" or "));
+    Diagnostic::new(Kind::Usage, message).hint("give it another name, or go to its folder and name it from there")
+}
+
 /// Runs the command line of this process and returns its exit status.
 ///
 /// A program with its own stages calls this function too. It gets every command, and its own stages beside the
@@ -99,6 +110,10 @@ enum Command {
 pub fn main() -> ExitCode {
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
+        Err(error) if error.kind() == ErrorKind::InvalidUtf8 => {
+            terminal::report_one(&not_unicode());
+            return Status::Usage.into();
+        }
         Err(error) => {
             let printed = error.print();
             if error.use_stderr() {

@@ -27,7 +27,7 @@ pub struct PosedMesh {
 ///
 /// A diagnostic if no file matches, or if one cannot be read.
 pub fn read_all(formats: &Formats, pattern: &str, file_name: fn(&GlobMatch) -> String) -> Result<Vec<PosedMesh>> {
-    let matches = globs::expand(Path::new(""), pattern)
+    let matches = globs::expand(Path::new(""), pattern, &mut 0)
         .map_err(|refused| Diagnostic::new(Kind::Usage, refused.message).hint(refused.hint))?;
     if matches.is_empty() {
         let message = format!("no file matches `{pattern}`");

@@ -7,7 +7,11 @@ use std::{
     sync::{Mutex, PoisonError},
 };
 
-use mimesh_document::{Diagnostic, Diagnostics, Kind, files::io_message};
+use mimesh_document::{
+    Diagnostic, Diagnostics, Kind,
+    files::io_message,
+    limits::{on_one_line, without_controls},
+};
 use serde::Serialize;
 
 use super::flags::with_flags;
@@ -18,7 +22,7 @@ static UNPRINTED: Mutex<Option<Diagnostic>> = Mutex::new(None);
 /// Prints to stdout, through which all results go. A reader that has closed the pipe (`| head`) is not an error; what else is wrong is
 /// kept for the end of the command ([`unprinted`]), whose work is done either way.
 pub fn print(text: &str) {
-    note(io::stdout().write_all(text.as_bytes()).and_then(|()| io::stdout().flush()));
+    note(io::stdout().write_all(without_controls(text).as_bytes()).and_then(|()| io::stdout().flush()));
 }
 
 /// Keeps the failure of printing to stdout, if it is one.
@@ -27,7 +31,9 @@ pub fn note(printed: io::Result<()>) {
         && error.kind() != io::ErrorKind::BrokenPipe
     {
         let diagnostic = Diagnostic::new(Kind::CannotWrite, format!("standard output: {}", io_message("write", error)));
-        keep(diagnostic.hint("free some space, or send it elsewhere: `mimesh … > FILE`"));
+        let is_full = matches!(error.kind(), io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded);
+        let first = if is_full { "free some space, or send" } else { "send" };
+        keep(diagnostic.hint(format!("{first} it elsewhere: `mimesh … > FILE`")));
     }
 }
 
@@ -42,7 +48,7 @@ pub fn unprinted() -> Option<Diagnostic> {
 
 /// Prints to stderr what belongs to a result, where stdout has the result for other programs.
 pub fn print_beside(text: &str) {
-    let _ = io::stderr().write_all(text.as_bytes());
+    let _ = io::stderr().write_all(without_controls(text).as_bytes());
 }
 
 /// Prints as JSON to stdout.
@@ -87,7 +93,7 @@ pub fn report_one(diagnostic: &Diagnostic) {
 
 /// Shows a warning on stderr.
 pub fn warn(text: &str) {
-    let _ = writeln!(io::stderr(), "{}: {text}", coloured("warning", "33"));
+    let _ = writeln!(io::stderr(), "{}: {}", coloured("warning", "33"), on_one_line(text));
 }
 
 /// Whether stderr may be animated and coloured.

@@ -13,9 +13,17 @@ pub fn with_formula(cell: &str) -> &str {
 }
 
 fn is_formula(cell: &str) -> bool {
-    let begins =
-        cell.trim_start_matches(' ').starts_with(['=', '+', '-', '@', '\t', '\r', '\n', '＝', '＋', '－', '＠']);
+    // Programs may pass over what people cannot see.
+    let is_passed_over = |c: char| c == ' ' || (c.is_whitespace() && !c.is_control()) || is_unseen(c);
+    let begins = cell
+        .trim_start_matches(is_passed_over)
+        .starts_with(['=', '+', '-', '@', '\t', '\r', '\n', '＝', '＋', '－', '＠']);
     begins && cell.parse::<f64>().is_err()
+}
+
+/// Whether `c` has no width.
+fn is_unseen(c: char) -> bool {
+    matches!(c, '\u{ad}' | '\u{200b}'..='\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2060}'..='\u{2069}' | '\u{feff}')
 }
 
 #[cfg(test)]
@@ -33,6 +41,9 @@ mod tests {
             ("\tb", "'\tb"),
             (" =c", "' =c"),
             ("＝d", "'＝d"),
+            ("\u{feff}=x", "'\u{feff}=x"),
+            ("\u{a0}=x", "'\u{a0}=x"),
+            ("\u{200b}=x", "'\u{200b}=x"),
             ("e=f", "e=f"),
             ("-", "'-"),
             ("'=g", "''=g"),

@@ -5,7 +5,7 @@ use std::{collections::HashSet, fmt, path::PathBuf};
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use crate::limits::{MAX_DIAGNOSTICS, shortened};
+use crate::limits::{MAX_DIAGNOSTICS, on_one_line, shortened};
 
 /// What kind of thing is wrong; a program that runs pipelines turns kinds into exit statuses or responses of its own.
 ///
@@ -258,14 +258,14 @@ impl fmt::Display for Location {
 impl fmt::Display for Diagnostic {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if let Some(location) = &self.location {
-            write!(f, "{}: ", shortened(&location.to_string()))?;
+            write!(f, "{}: ", on_one_line(&shortened(&location.to_string())))?;
         }
-        f.write_str(&shortened(&self.message))?;
+        f.write_str(&on_one_line(&shortened(&self.message)))?;
         let margin = match &self.location {
             Some(Location::Span { line, column, length, text, .. }) if !text.is_empty() => {
                 let number = line.to_string();
                 let margin = " ".repeat(number.len());
-                let shown = text.replace('\t', " ");
+                let shown = text.replace('\t', " ").replace(char::is_control, "\u{fffd}");
                 let before = *column as usize - 1;
                 let marks =
                     "^".repeat((*length as usize).clamp(1, shown.chars().count().saturating_sub(before).max(1)));
@@ -275,7 +275,7 @@ impl fmt::Display for Diagnostic {
             _ => "  ".into(),
         };
         match self.way_out() {
-            Some(hint) => write!(f, "\n{margin}hint: {}", shortened(&hint)),
+            Some(hint) => write!(f, "\n{margin}hint: {}", on_one_line(&shortened(&hint))),
             None => Ok(()),
         }
     }

@@ -54,6 +54,25 @@ pub fn thousands(number: usize) -> String {
     result
 }
 
+/// `text` on one line, with escapes in place of characters that steer a terminal: names in messages come from strangers' files.
+pub fn on_one_line(text: &str) -> std::borrow::Cow<'_, str> {
+    if !text.contains(char::is_control) {
+        return text.into();
+    }
+    let shown = |c: char| if c.is_control() { c.escape_default().to_string() } else { c.to_string() };
+    text.chars().map(shown).collect::<String>().into()
+}
+
+/// `text` with escapes in place of characters that steer a terminal; lines stay.
+pub fn without_controls(text: &str) -> std::borrow::Cow<'_, str> {
+    let steers = |c: char| c.is_control() && !matches!(c, '\n' | '\t');
+    if !text.contains(steers) {
+        return text.into();
+    }
+    let shown = |c: char| if steers(c) { c.escape_default().to_string() } else { c.to_string() };
+    text.chars().map(shown).collect::<String>().into()
+}
+
 /// `text`, of which the middle is left out if it is longer than a message can be.
 pub fn shortened(text: &str) -> std::borrow::Cow<'_, str> {
     const END: usize = 200;
@@ -74,6 +93,13 @@ pub fn shortened(text: &str) -> std::borrow::Cow<'_, str> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn nothing_in_a_text_steers_the_terminal() {
+        assert_eq!(on_one_line("é: 1"), "é: 1");
+        assert_eq!(on_one_line("a\nerror: b\u{1b}[2J\u{9b}\u{7}"), "a\\nerror: b\\u{1b}[2J\\u{9b}\\u{7}");
+        assert_eq!(without_controls("a\n\tb\r\u{1b}"), "a\n\tb\\r\\u{1b}");
+    }
 
     #[test]
     fn long_texts_are_cut_in_the_middle() {

@@ -187,9 +187,14 @@ impl Expander<'_> {
         if let Some(name) = name.strip_prefix("env:") {
             return match std::env::var(name) {
                 Ok(text) => Some((scalar(text), None)),
-                Err(_) => {
+                Err(std::env::VarError::NotPresent) => {
                     let message = format!("there is no variable `{name}` in the environment");
                     self.wrong(node, &written, message, "set it before the program starts".into());
+                    None
+                }
+                Err(std::env::VarError::NotUnicode(_)) => {
+                    let message = format!("the variable `{name}` of the environment is no Unicode");
+                    self.wrong(node, &written, message, "give it another value: a pipeline is text in UTF-8".into());
                     None
                 }
             };

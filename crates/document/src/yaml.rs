@@ -50,6 +50,8 @@ pub fn not_yaml(text: &Arc<SourceText>, error: serde_saphyr::Error) -> Diagnosti
     let (message, hint) = if let Some(rest) = problem.strip_prefix("duplicate mapping key: ") {
         let key = rest.split(',').next().unwrap_or(rest);
         (format!("the key `{key}` stands here a second time"), "remove one of the two")
+    } else if problem.contains("recursive references") {
+        ("an alias stands within the value that it repeats".into(), "take the alias out of the value")
     } else if problem.starts_with("multiple YAML documents") {
         ("a second document begins here".into(), "remove the line `---` and what follows it; a file holds one document")
     } else if is_about_finiteness(&problem) {

@@ -13,8 +13,9 @@ use mimesh_document::{
     paths::{from_base, stem, tidy},
 };
 
-/// Files and folders that one pattern may look at.
+/// Files and folders that one pattern may look at, and all of a list ten times as many.
 const MAX_LOOKED_AT: usize = 100_000;
+const MAX_OF_LIST: usize = 10 * MAX_LOOKED_AT;
 
 /// How wildcards match names: a dot at the beginning is written out.
 const MATCHING: MatchOptions =
@@ -45,12 +46,12 @@ pub fn is_glob(pattern: &str) -> bool {
 
 /// The files that `pattern` stands for, in natural order (`pose-2` before `pose-10`); a path without wildcards is
 /// itself. `**` stands for folders within each other; it follows no links. Folders are left out, while a pipe or a link to nothing counts
-/// as a file: who reads it is told what it is.
+/// as a file: who reads it is told what it is. `looked_at` counts what all patterns of a list look at.
 ///
 /// # Errors
 ///
-/// A pattern that is no glob, or that looks at more files than it can be meant to.
-pub fn expand(base: &Path, pattern: &str) -> Result<Vec<GlobMatch>, Refused> {
+/// A pattern that is no glob, or that looks at more files than it can be meant to, alone or with those before.
+pub fn expand(base: &Path, pattern: &str, looked_at: &mut usize) -> Result<Vec<GlobMatch>, Refused> {
     if !is_glob(pattern) {
         let path = from_base(base, Path::new(pattern));
         return Ok(vec![GlobMatch { name: stem(&path), path }]);
@@ -64,6 +65,16 @@ pub fn expand(base: &Path, pattern: &str) -> Result<Vec<GlobMatch>, Refused> {
         message: format!("`{pattern}` looks at more than {} files and folders", thousands(MAX_LOOKED_AT)),
         hint: "begin it with the folder of the files, e.g. `poses/*.obj`; `**` looks into all folders below",
     })?;
+    *looked_at += search.looked_at;
+    if *looked_at > MAX_OF_LIST {
+        return Err(Refused {
+            message: format!(
+                "`{pattern}` and those before look at more than {} files and folders",
+                thousands(MAX_OF_LIST)
+            ),
+            hint: "write fewer patterns, which stand for more files each",
+        });
+    }
     let mut paths = search.found;
     paths.sort_by(|a, b| alphanumeric_sort::compare_path(a, b).then_with(|| a.cmp(b)));
     paths.dedup();
@@ -227,7 +238,7 @@ mod tests {
     use super::*;
 
     fn names(folder: &Path, pattern: &str) -> Vec<String> {
-        expand(folder, pattern).unwrap().into_iter().map(|found| found.name).collect()
+        expand(folder, pattern, &mut 0).unwrap().into_iter().map(|found| found.name).collect()
     }
 
     #[test]
@@ -276,15 +287,15 @@ mod tests {
         #[cfg(unix)]
         std::os::unix::fs::symlink(folder.path(), folder.path().join("x/round")).unwrap();
         let files = |pattern: &str| -> Vec<String> {
-            let found = expand(folder.path(), pattern).unwrap();
+            let found = expand(folder.path(), pattern, &mut 0).unwrap();
             found.iter().map(|one| one.path.strip_prefix(folder.path()).unwrap().display().to_string()).collect()
         };
         assert_eq!(files("**/*.obj"), ["a.obj", "x/b.obj", "x/y/c.obj"]);
         assert_eq!(files("**/**/c.obj"), ["x/y/c.obj"]);
         assert_eq!(files("x/**/*.obj"), ["x/b.obj", "x/y/c.obj"]);
         assert!(files("**").is_empty());
-        assert!(expand(folder.path(), "a**/b").unwrap_err().message.contains("is no glob"));
-        assert!(expand(folder.path(), "[a").unwrap_err().message.contains("is no glob"));
+        assert!(expand(folder.path(), "a**/b", &mut 0).unwrap_err().message.contains("is no glob"));
+        assert!(expand(folder.path(), "[a", &mut 0).unwrap_err().message.contains("is no glob"));
     }
 
     #[test]
@@ -309,11 +320,11 @@ mod tests {
         let within = folder.path().join(OsStr::from_bytes(b"in\xfe"));
         fs::create_dir(&within).unwrap();
         fs::write(within.join("a.obj"), "").unwrap();
-        let found = expand(folder.path(), "pose-*.obj").unwrap();
+        let found = expand(folder.path(), "pose-*.obj", &mut 0).unwrap();
         let names: Vec<_> = found.iter().map(|one| one.name.as_str()).collect();
         assert_eq!((names, &found[1].path), (vec!["1", "\u{fffd}"], &odd));
-        assert_eq!(expand(folder.path(), "*/a.obj").unwrap()[0].path, within.join("a.obj"));
-        assert_eq!(expand(&within, "*.obj").unwrap()[0].path, within.join("a.obj"));
+        assert_eq!(expand(folder.path(), "*/a.obj", &mut 0).unwrap()[0].path, within.join("a.obj"));
+        assert_eq!(expand(&within, "*.obj", &mut 0).unwrap()[0].path, within.join("a.obj"));
         assert!(nearby(&folder.path().join("none-*.obj")).contains("the 2 .obj files there"));
     }
 }

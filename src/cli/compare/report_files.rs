@@ -52,13 +52,13 @@ pub fn read(file: &Path) -> Result<Report> {
 
 /// Finds the reports of one pattern, at least one.
 fn find(pattern: &str) -> Result<Vec<PathBuf>> {
-    let mut matches = globs::expand(Path::new(""), pattern)
+    let mut matches = globs::expand(Path::new(""), pattern, &mut 0)
         .map_err(|refused| Diagnostic::new(Kind::Usage, refused.message).hint(refused.hint))?;
     if globs::is_glob(pattern) {
         // A glob may match folders, whose reports are added here.
         for report in ["run.json", "run-*.json"] {
             let inner = format!("{}/{report}", pattern.trim_end_matches('/'));
-            matches.extend(globs::expand(Path::new(""), &inner).unwrap_or_default());
+            matches.extend(globs::expand(Path::new(""), &inner, &mut 0).unwrap_or_default());
         }
     }
     let mut files: Vec<PathBuf> = Vec::new();
@@ -80,7 +80,7 @@ fn find(pattern: &str) -> Result<Vec<PathBuf>> {
 /// The report in a folder, or all reports if several runs wrote there.
 fn in_folder(folder: &Path) -> Vec<PathBuf> {
     let single = folder.join("run.json");
-    let several = globs::expand(folder, "run-*.json").unwrap_or_default();
+    let several = globs::expand(folder, "run-*.json", &mut 0).unwrap_or_default();
     if single.is_file() || several.is_empty() {
         return vec![single];
     }

@@ -6,12 +6,13 @@
 //! changed, or copied from another key. They are removed, and computed again. What is no file, such as a link or a pipe, is no entry.
 
 use std::{
+    fs::Metadata,
     io::{self, Write},
     path::{Path, PathBuf},
     time::{Duration, SystemTime},
 };
 
-use mimesh_core::{Error, Result};
+use mimesh_core::{Error, Result, memory};
 
 /// The first bytes of an entry.
 const MAGIC: &[u8] = b"mimesh cache 2\n";
@@ -79,7 +80,9 @@ impl Store {
     /// The entry of this kind under `key`.
     pub fn get(&self, kind: &str, key: Key) -> Lookup {
         let path = self.path(kind, key);
-        if !is_entry(&path) {
+        let Some(length) = entry_length(&path) else { return Lookup::Miss };
+        // Of what does not fit in memory nothing can be said; to compute it may take less.
+        if memory::need("an entry of the cache", length).is_err() {
             return Lookup::Miss;
         }
         let Ok(mut bytes) = std::fs::read(&path) else { return Lookup::Miss };
@@ -100,7 +103,7 @@ impl Store {
 
     /// Whether there is an entry; its contents are not checked.
     pub fn contains(&self, kind: &str, key: Key) -> bool {
-        is_entry(&self.path(kind, key))
+        entry_length(&self.path(kind, key)).is_some()
     }
 
     /// Stores `contents`.
@@ -113,7 +116,11 @@ impl Store {
         let write = || -> io::Result<()> {
             let folder = path.parent().unwrap_or(&self.folder);
             std::fs::create_dir_all(folder)?;
-            let mut temporary = tempfile::Builder::new().prefix(TEMPORARY).tempfile_in(folder)?;
+            let mut builder = tempfile::Builder::new();
+            // Whoever shares the folder may read it, unless the user's mask says otherwise.
+            #[cfg(unix)]
+            builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+            let mut temporary = builder.prefix(TEMPORARY).tempfile_in(folder)?;
             temporary.write_all(MAGIC)?;
             temporary.write_all(hash_of(kind, key, contents).as_bytes())?;
             temporary.write_all(contents)?;
@@ -125,6 +132,7 @@ impl Store {
     /// Removes what has not been used for longest until the rest is well within the limit, if it is beyond; returns what was
     /// removed.
     pub fn clean_up(&self) -> CacheUsage {
+        self.remove_stale();
         let mut all = self.list();
         let mut bytes: u64 = all.iter().map(|entry| entry.bytes).sum();
         let mut removed = CacheUsage::default();
@@ -152,6 +160,7 @@ impl Store {
     ///
     /// [`Error::Io`] about the first that cannot be removed.
     pub fn clear(&self) -> Result<CacheUsage> {
+        self.remove_stale();
         let mut removed = CacheUsage::default();
         for entry in self.list() {
             match std::fs::remove_file(&entry.path) {
@@ -187,35 +196,63 @@ impl Store {
         self.folder.join(kind).join(&name[..2]).join(name.as_str())
     }
 
-    /// All entries; old temporary files are removed on the way.
+    /// All entries.
     fn list(&self) -> Vec<Listed> {
+        let name = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let entry = |(kind, path, metadata): (PathBuf, PathBuf, Metadata)| {
+            let [of_file, of_folder] = [name(&path), name(path.parent()?)];
+            let is_key = of_file.len() == 64 && of_file.bytes().all(|c| c.is_ascii_hexdigit());
+            let used = metadata.modified().unwrap_or(SystemTime::UNIX_EPOCH);
+            let is_entry = is_key && of_file.starts_with(&of_folder) && of_folder.len() == 2;
+            is_entry.then(|| Listed { kind: name(&kind), bytes: metadata.len(), used, path })
+        };
+        self.files().into_iter().filter_map(entry).collect()
+    }
+
+    /// Removes temporary files that runs have left.
+    fn remove_stale(&self) {
+        for (_, path, metadata) in self.files() {
+            let is_temporary =
+                path.file_name().is_some_and(|name| name.as_encoded_bytes().starts_with(TEMPORARY.as_bytes()));
+            let is_old = metadata.modified().is_ok_and(|at| at.elapsed().is_ok_and(|age| age > STALE));
+            if is_temporary && is_old {
+                let _ = std::fs::remove_file(&path);
+            }
+        }
+    }
+
+    /// The files below the folders of all kinds, with the folder of their kind; nothing behind links.
+    fn files(&self) -> Vec<(PathBuf, PathBuf, Metadata)> {
         let children = |folder: &Path| {
             let entries = std::fs::read_dir(folder).into_iter().flatten().filter_map(io::Result::ok);
             let mut paths: Vec<PathBuf> = entries.map(|entry| entry.path()).collect();
             paths.sort();
             paths
         };
-        let mut listed = Vec::new();
-        for kind in children(&self.folder) {
-            for path in children(&kind).iter().flat_map(|folder| children(folder)) {
-                let Ok(metadata) = path.symlink_metadata() else { continue };
-                let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-                let used = metadata.modified().unwrap_or(SystemTime::UNIX_EPOCH);
-                if name.len() == 64 && name.bytes().all(|c| c.is_ascii_hexdigit()) && metadata.is_file() {
-                    let kind = kind.file_name().unwrap_or_default().to_string_lossy().into_owned();
-                    listed.push(Listed { path, kind, bytes: metadata.len(), used });
-                } else if name.starts_with(TEMPORARY) && used.elapsed().is_ok_and(|age| age > STALE) {
-                    let _ = std::fs::remove_file(&path);
+        let mut files = Vec::new();
+        for kind in children(&self.folder).into_iter().filter(|kind| is_folder(kind)) {
+            for path in children(&kind).iter().filter(|folder| is_folder(folder)).flat_map(|folder| children(folder)) {
+                if let Ok(metadata) = path.symlink_metadata()
+                    && metadata.is_file()
+                {
+                    files.push((kind.clone(), path, metadata));
                 }
             }
         }
-        listed
+        files
     }
 }
 
-/// Whether `path` is a file itself, which ends when it is read.
-fn is_entry(path: &Path) -> bool {
-    path.symlink_metadata().is_ok_and(|found| found.is_file())
+/// The bytes of the entry at `path`, if that is a file itself, which ends when it is read, and lies in folders of the cache: behind a link
+/// lies what is another's.
+fn entry_length(path: &Path) -> Option<u64> {
+    path.ancestors().skip(1).take(2).all(is_folder).then_some(())?;
+    path.symlink_metadata().ok().filter(|found| found.is_file()).map(|found| found.len())
+}
+
+/// Whether `path` is a folder, and no link to one.
+fn is_folder(path: &Path) -> bool {
+    path.symlink_metadata().is_ok_and(|found| found.is_dir())
 }
 
 /// The hash at the beginning of an entry.
@@ -290,6 +327,37 @@ mod tests {
         std::fs::create_dir(&path).unwrap();
         assert_eq!(store.get("pose", key("a")), Lookup::Miss);
         assert!(store.put("pose", key("a"), b"a").is_err());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn nothing_behind_a_link_is_touched() {
+        let (folder, elsewhere) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+        let store = Store::new(folder.path(), 0);
+        store.put("pose", key("a"), b"a").unwrap();
+        let path = store.path("pose", key("a"));
+        // Others' files with names of the same form, behind a link on each level.
+        let [of_kind, of_key] = [elsewhere.path().join("kind"), elsewhere.path().join("key")];
+        let name = path.file_name().unwrap();
+        let others = [of_kind.join(path.parent().unwrap().file_name().unwrap()).join(name), of_key.join(name)];
+        for other in &others {
+            std::fs::create_dir_all(other.parent().unwrap()).unwrap();
+            std::fs::write(other, "mine").unwrap();
+        }
+        let temporary = of_key.join(".tmp-old");
+        std::fs::write(&temporary, "mine").unwrap();
+        let file = std::fs::File::options().append(true).open(&temporary).unwrap();
+        file.set_modified(SystemTime::now() - 2 * STALE).unwrap();
+        std::os::unix::fs::symlink(&of_kind, folder.path().join("v1/map")).unwrap();
+        std::fs::create_dir(folder.path().join("v1/transfer")).unwrap();
+        let linked = folder.path().join("v1/transfer").join(path.parent().unwrap().file_name().unwrap());
+        std::os::unix::fs::symlink(&of_key, linked).unwrap();
+        for kind in ["map", "transfer"] {
+            assert_eq!(store.get(kind, key("a")), Lookup::Miss);
+        }
+        assert_eq!(store.usage().len(), 1);
+        assert_eq!((store.clean_up().entries, store.clear().unwrap().entries), (1, 0));
+        assert!(others.iter().all(|other| other.exists()) && temporary.exists());
     }
 
     #[test]

@@ -7,7 +7,9 @@ use std::{
 
 use mimesh_core::stage::{PoseChoice, RestShape, Selection};
 use mimesh_document::{
-    At, Step, path,
+    At, Step,
+    limits::thousands,
+    path,
     paths::{entry_identity, identity, stem},
     suggest::did_you_mean,
 };
@@ -167,16 +169,27 @@ fn pose_files(scope: Scope<'_>, found: &mut Findings, poses: &Poses, rest: Optio
     }
     found.check_empty(scope, &slot);
     let mut poses = Vec::new();
-    let mut seen = HashSet::new();
+    let (mut seen, mut asked, mut repeated) = (HashSet::new(), HashSet::new(), Vec::new());
+    let mut looked_at = 0;
     // An item that is no string has a diagnostic of its own, and an empty one stands in its place.
     for (i, pattern) in patterns.items.iter().enumerate().filter(|(_, pattern)| !pattern.is_empty()) {
         let at = if patterns.listed { [&slot[..], &[Step::Index(i)]].concat() } else { slot.clone() };
-        for pose in matching(scope, found, pattern, &at, rest.as_ref()) {
+        if !asked.insert(pattern) {
+            repeated.push(pattern.to_string());
+            continue;
+        }
+        for pose in matching(scope, found, pattern, &at, rest.as_ref(), &mut looked_at) {
             // Frames that are held are often links to one file.
             if seen.insert(entry_identity(&pose.path)) {
                 poses.push(PoseInput { name: pose.name, time: None, from: PoseFrom::File(pose.path) });
+            } else if !is_glob(pattern) {
+                repeated.push(pattern.to_string());
             }
         }
+    }
+    if let Some(first) = repeated.first() {
+        let many = if repeated.len() > 1 { format!(" ({} such)", thousands(repeated.len())) } else { String::new() };
+        found.warnings.push(format!("source.poses: `{first}` is named more than once and taken once{many}"));
     }
     poses
 }
@@ -188,8 +201,9 @@ fn matching(
     pattern: &str,
     at: &[Step],
     rest: Option<&PathBuf>,
+    looked_at: &mut usize,
 ) -> Vec<crate::globs::GlobMatch> {
-    let files = match expand(scope.document.folder(at), pattern) {
+    let files = match expand(scope.document.folder(at), pattern, looked_at) {
         Ok(files) => files,
         Err(refused) => {
             found.wrong(scope, at, At::Value, refused.message, refused.hint);
