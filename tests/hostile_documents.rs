@@ -92,6 +92,60 @@ fn small_files_cannot_ask_for_endless_work() {
 }
 
 #[test]
+fn patterns_that_are_repeated_are_taken_once_and_those_of_a_list_have_a_limit() {
+    let project = Project::new();
+    let poses = |list: &str| PIPELINE.replace("pose-*.obj", &format!("[{list}]"));
+    let (status, stderr) = checked(&project, &poses(&"'pose-*.obj', ".repeat(20_000)));
+    assert!(
+        status == 0 && stderr.contains("`pose-*.obj` is named more than once and taken once (19,999 such)"),
+        "{stderr}"
+    );
+    let (status, stderr) = checked(&project, &poses("pose-1.obj, ./pose-1.obj, pose-2.obj"));
+    assert!(status == 0 && stderr.contains("`./pose-1.obj` is named more than once"), "{stderr}");
+    (0..1_100).for_each(|i| project.write(&format!("many/{i}.obj"), ""));
+    let many: String = (0..1_100).map(|i| format!("many/{i}?obj, ")).collect();
+    assert_told(
+        &project,
+        &poses(&format!("pose-1.obj, {many}")),
+        78,
+        "and those before look at more than 1,000,000 files",
+    );
+    assert_told(
+        &project,
+        &format!("{PIPELINE}variables: &a [*a]\n"),
+        78,
+        "an alias stands within the value that it repeats",
+    );
+}
+
+#[test]
+fn names_from_files_do_not_steer_the_terminal() {
+    let project = Project::new();
+    fs::rename(project.path("pose-1.obj"), project.path("pose-a\nerror: \u{1b}[2J\u{9b}.obj")).expect("a new name");
+    fs::write(project.path("p.yaml"), PIPELINE).expect("a pipeline");
+    for command in [["check", "p.yaml"], ["run", "p.yaml"], ["inspect", "pose-a\nerror: \u{1b}[2J\u{9b}.obj"]] {
+        let (_, stdout, stderr) = ended(project.command(&command));
+        let steers = |c: char| c.is_control() && !"\n\t".contains(c);
+        assert!(!stdout.contains(steers) && !stderr.contains(steers), "{stdout}{stderr}");
+        assert!(!stderr.lines().any(|line| line.starts_with("error")), "{stderr}");
+    }
+}
+
+#[test]
+fn what_must_be_unicode_is_named_if_it_is_none() {
+    let project = Project::new();
+    let mut command = project.command(&["check", "p.yaml", "--set"]);
+    command.arg(OsStr::from_bytes(b"markers=m\xff.yaml"));
+    let (status, _, stderr) = ended(command);
+    assert!(status == 2 && stderr.contains("`markers=m\u{fffd}.yaml`: expected Unicode"), "{stderr}");
+    project.write("p.yaml", &format!("{PIPELINE}markers: '${{env:NAME}}.yaml'\n"));
+    let mut command = project.command(&["check", "p.yaml"]);
+    command.env("NAME", OsStr::from_bytes(b"\xff"));
+    let (status, _, stderr) = ended(command);
+    assert!(status == 78 && stderr.contains("the variable `NAME` of the environment is no Unicode"), "{stderr}");
+}
+
+#[test]
 fn a_glob_over_a_whole_system_ends() {
     let project = Project::new();
     // Wherever the test runs, more than 100,000 files lie below `/proc`.
