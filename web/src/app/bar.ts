@@ -87,6 +87,7 @@ function describe(studio: Studio): ['good' | 'busy' | 'bad', string] {
   if (disk === 'changed_elsewhere') return ['bad', 'The file was changed by another program'];
   if (waiting > 0 || studio.pipeline.saving.value) return ['busy', 'Saving …'];
   if (!pipeline?.exists) return ['busy', 'Not written yet'];
+  if (studio.painting.hasUnsaved) return ['busy', 'What is painted is not saved'];
   return exists || pairs.length === 0
     ? ['good', 'Saved']
     : ['busy', 'Proposed points are saved once you confirm or move one'];

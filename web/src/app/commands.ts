@@ -1,5 +1,4 @@
 import type { Player } from '../live/timeline.ts';
-import type { Painter } from '../paint/painter.ts';
 import { isolate, showAll, toggleComponent } from '../views/components.ts';
 import type { Pane } from '../views/pane.ts';
 import type { Stage } from '../views/stage.ts';
@@ -13,15 +12,7 @@ const NUDGE = 2;
 const TURN = 24;
 
 /** Every command that has a key. */
-export function makeCommands(
-  studio: Studio,
-  stage: Stage,
-  actions: Actions,
-  player: Player,
-  painter: Painter,
-): Command[] {
-  // Strokes of the brush have a history of their own.
-  const painting = () => studio.panel.peek() === 'paint';
+export function makeCommands(studio: Studio, stage: Stage, actions: Actions, player: Player): Command[] {
   const commands: Command[] = [
     command('Points', 'next', 'Go to the point that helps most', ['g'], () => void actions.next()),
     command('Points', 'down', 'Select the pair below', ['j'], () => actions.select(1)),
@@ -32,12 +23,8 @@ export function makeCommands(
     command('Points', 'rename', 'Rename', ['r', 'f2'], () => actions.editName()),
     command('Points', 'delete', 'Delete', ['delete', 'backspace'], () => actions.remove()),
     command('Points', 'mirror', 'Mirror across a plane', ['m'], () => actions.mirror()),
-    command('Points', 'undo', 'Undo', ['mod+z'], () =>
-      painting() ? painter.step(false) : void studio.history.step(false),
-    ),
-    command('Points', 'redo', 'Redo', ['mod+shift+z', 'mod+y'], () =>
-      painting() ? painter.step(true) : void studio.history.step(true),
-    ),
+    command('Points', 'undo', 'Undo', ['mod+z'], () => void studio.history.step(false)),
+    command('Points', 'redo', 'Redo', ['mod+shift+z', 'mod+y'], () => void studio.history.step(true)),
     command('Points', 'letgo', 'Let go of the selected pair', ['escape'], () => letGo(studio, stage)),
     command('View', 'fly', 'Fly to the selected pair', ['f'], () => actions.flyTo(studio.selected.peek())),
     command('View', 'whole', 'See the whole mesh', ['home'], () => stage.camera.whole()),

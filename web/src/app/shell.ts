@@ -31,7 +31,7 @@ export function mount(root: HTMLElement, studio: Studio): Stage {
   const actions = new Actions(studio, stage);
   const player = new Player(studio);
   const painter = new Painter(studio, stage);
-  const commands = makeCommands(studio, stage, actions, player, painter);
+  const commands = makeCommands(studio, stage, actions, player);
   const furnished = new WeakSet<Pane>();
   effect(() => {
     for (const pane of stage.panes.value) {

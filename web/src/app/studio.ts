@@ -1,5 +1,6 @@
 import { Live } from '../live/live.ts';
 import { MarkerStore } from '../markers/store.ts';
+import { Painting } from '../paint/painting.ts';
 import { api, describeError, type Failure, RequestError, sentence } from '../protocol/client.ts';
 import { floats, words } from '../protocol/container.ts';
 import { Socket } from '../protocol/socket.ts';
@@ -39,6 +40,7 @@ export class Studio {
   readonly live = new Live(this.socket);
   readonly markers = new MarkerStore();
   readonly pipeline = new PipelineStore();
+  readonly painting = new Painting();
   readonly history = new Undo(this);
   readonly files = new FileChoice();
   readonly phase = signal<Phase>({ name: 'loading', text: 'Connecting …' });
@@ -174,11 +176,18 @@ export class Studio {
     settle('live');
     this.markers.open(session.project, markers.file ?? session.name ?? '', markers);
     this.pipeline.open(pipeline);
+    const left = this.painting.open(session);
+    this.history.rebase();
     this.jobs.value = jobs;
     this.meshes.value = { source, target };
     this.live.open(session.project);
     this.phase.value = { name: 'ready' };
     if (!isSame) warnOfOneFile(session);
+    if (left.length > 0)
+      notify(
+        `What was painted on ${left.join(' and ')} is not saved.`,
+        'It comes back when its project is opened again in this page.',
+      );
     document.title = `${session.name ?? 'mimesh'} – mimesh studio`;
   }
 
@@ -190,6 +199,7 @@ export class Studio {
       await this.show(await api.session());
       this.markers.reopen(await api.markers());
       this.pipeline.open(await api.pipeline());
+      this.history.rebase();
       this.jobs.value = await api.jobs();
       this.live.reconnect();
       settle('connection');

@@ -5,8 +5,9 @@ import { openDialog } from '../ui/dialog.ts';
 import { fill, h, uniqueId } from '../ui/dom.ts';
 import { icon } from '../ui/icons.ts';
 import { effect, type Signal } from '../ui/signal.ts';
+import type { PaintKind } from './draft.ts';
 import { maskNameProblem, USUAL_NAMES } from './mask.ts';
-import type { Painter, PaintKind } from './painter.ts';
+import type { Painter } from './painter.ts';
 import { useOf } from './use.ts';
 
 /** Painting of weights and choice of components, and what is saved. */
@@ -42,9 +43,9 @@ export function paintPanel(studio: Studio, painter: Painter): HTMLElement {
     h(
       'div',
       { class: 'row' },
-      button({ label: 'Fill', run: () => painter.change(() => 1) }),
-      button({ label: 'Empty', run: () => painter.change(() => 0) }),
-      button({ label: 'Invert', run: () => painter.change((weight) => 1 - weight) }),
+      button({ label: 'Fill', run: () => painter.change('the filling', () => 1) }),
+      button({ label: 'Empty', run: () => painter.change('the emptying', () => 0) }),
+      button({ label: 'Invert', run: () => painter.change('the inversion', (weight) => 1 - weight) }),
     ),
   );
   const components = h('section', { class: 'block', 'aria-label': 'Chosen components' });
@@ -156,8 +157,7 @@ function saving(studio: Studio, painter: Painter): HTMLElement {
   const name = h('input', { id, type: 'text', spellcheck: 'false', maxlength: 60 });
   const state = h('span', { class: 'muted' });
   const use = h('div', { class: 'use' });
-  /** The file of what is painted, if it is of the kind that is chosen. */
-  const present = () => (painter.saved.value?.kind === painter.kind.value ? painter.saved.value : null);
+  const present = () => painter.saved.value;
   effect(() => {
     state.textContent = painter.unsaved.value ? 'not saved yet' : present() ? 'saved' : '';
   });

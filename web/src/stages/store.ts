@@ -12,7 +12,7 @@ export class PipelineStore {
   readonly saving = signal(false);
   /** What another page or program wrote while this page had a change of its own. */
   readonly conflict = signal<Pipeline | null>(null);
-  private chain: Promise<void> = Promise.resolve();
+  private chain: Promise<unknown> = Promise.resolve();
 
   /** The pipeline of another project, or of a server that was started anew: its revisions are not those from before. */
   open(pipeline: Pipeline): void {
@@ -26,39 +26,40 @@ export class PipelineStore {
     this.pipeline.value = complete(pipeline);
   }
 
-  set(path: Step[], value: unknown): Promise<void> {
+  /** Sets a value; whether it was done. */
+  set(path: Step[], value: unknown): Promise<boolean> {
     return this.change((base) => api.setValue(base, path, value));
   }
 
-  unset(path: Step[]): Promise<void> {
+  unset(path: Step[]): Promise<boolean> {
     return this.change((base) => api.unsetValue(base, path));
   }
 
   /** Takes back the last change of the pipeline, or does one again; whether it was done. */
-  async step(redo: boolean): Promise<boolean> {
-    const before = this.pipeline.peek()?.revision;
-    await this.change((base) => (redo ? api.redoPipeline(base) : api.undoPipeline(base)));
-    return this.pipeline.peek()?.revision !== before;
+  step(redo: boolean): Promise<boolean> {
+    return this.change((base) => (redo ? api.redoPipeline(base) : api.undoPipeline(base)));
   }
 
   /** Resolves when the server has every change. */
-  settled(): Promise<void> {
+  settled(): Promise<unknown> {
     return this.chain;
   }
 
-  setText(base: number, text: string): Promise<void> {
+  setText(base: number, text: string): Promise<boolean> {
     return this.change(() => api.putPipeline(base, text));
   }
 
-  private change(send: (base: number) => Promise<Pipeline>): Promise<void> {
+  private change(send: (base: number) => Promise<Pipeline>): Promise<boolean> {
     this.saving.value = true;
     const step = this.chain.then(async () => {
       try {
         this.receive(await send(this.pipeline.peek()?.revision ?? 0));
         this.conflict.value = null;
         settle(TOPIC);
+        return true;
       } catch (error) {
         this.failed(error);
+        return false;
       }
     });
     this.chain = step;
