@@ -59,7 +59,7 @@ export class Actions {
       notify(readableIn(sentence(next.reason)), null, 'info', 'next');
     } catch (error) {
       const { message, hint } = describeError(error);
-      notify(message, hint, 'error');
+      notify(message, hint, 'error', 'next');
     }
   }
 

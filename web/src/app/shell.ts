@@ -12,7 +12,7 @@ import { startPage } from '../start/start.ts';
 import { button } from '../ui/controls.ts';
 import { fill, h } from '../ui/dom.ts';
 import { type IconName, icon } from '../ui/icons.ts';
-import { noticeLine } from '../ui/notices.ts';
+import { noticeLine } from '../ui/noticeline.ts';
 import { detached, effect } from '../ui/signal.ts';
 import { furnishPane } from '../views/heads.ts';
 import type { Pane } from '../views/pane.ts';

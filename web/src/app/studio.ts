@@ -8,8 +8,8 @@ import type { FromServer, Job, OpenRequest, Point, Session, Side } from '../prot
 import { PipelineStore } from '../stages/store.ts';
 import { FileChoice } from '../start/choice.ts';
 import { rememberRecent } from '../start/recent.ts';
-import { clearNotices, notify, settle } from '../ui/notices.ts';
-import { effect, signal } from '../ui/signal.ts';
+import { clearNotices, notify, settle, settleErrors } from '../ui/notices.ts';
+import { computed, effect, signal } from '../ui/signal.ts';
 import type { MeshData } from '../viewer/surface.ts';
 import { follows } from './jobs.ts';
 import { Runs } from './runs.ts';
@@ -71,6 +71,15 @@ export class Studio {
       const pipeline = this.pipeline.pipeline.value?.revision ?? 0;
       this.live.revisions.value = { markers: this.markers.document.value.revision, pipeline };
     });
+    // What failed because of points or settings may do with others.
+    const state = computed(() => {
+      const { markers, pipeline } = this.live.revisions.value;
+      return `${markers} ${pipeline} ${this.pipeline.mistakes.value.length}`;
+    });
+    effect(() => {
+      void state.value;
+      settleErrors(['run', 'propose', 'next']);
+    });
     this.markers.onNotice = ({ text, hint }) => notify(text, hint);
     this.markers.onRenumbered = (ids) => {
       const id = this.selected.peek();
@@ -114,8 +123,8 @@ export class Studio {
   async run(): Promise<void> {
     try {
       await this.markers.settled();
-      this.setJob(await api.run());
       settle('run');
+      this.setJob(await api.run());
       this.panel.value = 'result';
     } catch (error) {
       const { message, hint } = describeError(error);
@@ -127,15 +136,16 @@ export class Studio {
     try {
       this.setJob(await api.cancel(job.id));
     } catch (error) {
-      notify(describeError(error).message, null, 'error');
+      notify(describeError(error).message, null, 'error', job.kind);
     }
   }
 
   async propose(others?: number): Promise<void> {
     try {
       await this.markers.settled();
-      this.setJob(await api.propose(others));
+      // Before the request: the job may be done before its answer is there.
       settle('propose');
+      this.setJob(await api.propose(others));
     } catch (error) {
       const { message, hint } = describeError(error);
       notify(message, hint, 'error', 'propose');

@@ -1,7 +1,7 @@
 import { api, describeError, RequestError } from '../protocol/client.ts';
 import type { Pipeline, Step } from '../protocol/types.ts';
 import { notify, settle } from '../ui/notices.ts';
-import { signal } from '../ui/signal.ts';
+import { computed, signal } from '../ui/signal.ts';
 
 /** Of notices. */
 const TOPIC = 'pipeline';
@@ -12,6 +12,8 @@ export class PipelineStore {
   readonly saving = signal(false);
   /** What another page or program wrote while this page had a change of its own. */
   readonly conflict = signal<Pipeline | null>(null);
+  /** What is wrong in the text, as far as is known. */
+  readonly mistakes = computed(() => (this.pipeline.value?.diagnostics ?? []).filter((one) => one.level === 'error'));
   private chain: Promise<unknown> = Promise.resolve();
 
   /** The pipeline of another project, or of a server that was started anew: its revisions are not those from before. */

@@ -3,7 +3,7 @@ import type { OpenRequest, Side } from '../protocol/types.ts';
 import { button } from '../ui/controls.ts';
 import { h } from '../ui/dom.ts';
 import { icon } from '../ui/icons.ts';
-import { noticeLine } from '../ui/notices.ts';
+import { noticeLine } from '../ui/noticeline.ts';
 import { effect, signal } from '../ui/signal.ts';
 import { fileBrowser } from './browser.ts';
 import { type FileChoice, fileName } from './choice.ts';

@@ -52,6 +52,10 @@ export class Stage {
     this.markerTool = new MarkerTool(studio);
     this.tool.value = this.markerTool;
     effect(() => this.arrange(display.threeViews.value ? ['source', 'rest', 'result'] : ['source', 'result']));
+    effect(() => {
+      const lead = this.activePane();
+      if (display.linked.value && lead) this.camera.link(lead);
+    });
     effect(() => this.showMeshes(this.panes.value, studio.meshes.value, studio.session.peek()));
     effect(() => this.showPositions());
     effect(() => this.showValues());
@@ -106,7 +110,10 @@ export class Stage {
     for (const pane of this.panes.peek()) if (!shown.includes(pane)) pane.detach();
     for (const pane of shown) pane.attach(this.element);
     this.element.dataset.panes = String(shown.length);
+    const before = this.panes.peek();
     this.panes.value = shown;
+    if (display.linked.peek() && before.length > 0)
+      for (const pane of shown) if (!before.includes(pane)) this.camera.join(pane, before);
     this.viewer.invalidate();
   }
 
