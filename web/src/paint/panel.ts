@@ -1,4 +1,5 @@
 import type { Studio } from '../app/studio.ts';
+import { chooseShapes, hasShapes } from '../live/clips.ts';
 import type { Mask, Side } from '../protocol/types.ts';
 import { button, select } from '../ui/controls.ts';
 import { openDialog } from '../ui/dialog.ts';
@@ -70,7 +71,7 @@ export function paintPanel(studio: Studio, painter: Painter): HTMLElement {
     'div',
     { class: 'panel-page paint' },
     whatToPaint(studio, painter),
-    maskNote(painter),
+    maskNote(studio, painter),
     brush,
     components,
     saving(studio, painter),
@@ -107,16 +108,21 @@ function whatToPaint(studio: Studio, painter: Painter): HTMLElement {
   );
 }
 
-/** Masks that no pipeline can use are announced before somebody paints one. */
-function maskNote(painter: Painter): HTMLElement {
-  const element = h(
-    'p',
-    { class: 'doubt block mask-note', role: 'status' },
-    'The poses of this source are frames of a clip, and masks are for shapes alone. ',
-    'You can paint and save a mask, but this pipeline cannot use it.',
-  );
+/** Masks that no pipeline can use are announced before somebody paints one, with the way out. */
+function maskNote(studio: Studio, painter: Painter): HTMLElement {
+  const element = h('div', { class: 'doubt block mask-note', role: 'status' });
   effect(() => {
     element.hidden = painter.kind.value !== 'weights' || painter.takesMasks.value;
+    if (element.hidden) return;
+    const clip = studio.session.value?.poses?.list.length ? 'Now a clip is played.' : 'This source has no poses.';
+    fill(
+      element,
+      h('p', {}, `A pipeline uses masks only for shapes. ${clip}`),
+      hasShapes(studio)
+        ? h('p', {}, 'Choose “Shapes” beside the timeline before you use a mask. What is painted stays.')
+        : h('p', {}, 'Open a source that has shapes to use a mask. You can paint and save one now.'),
+      hasShapes(studio) ? button({ label: 'Choose Shapes', run: () => chooseShapes(studio) }) : null,
+    );
   });
   return element;
 }

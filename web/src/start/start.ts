@@ -143,8 +143,12 @@ function recent(studio: Studio): HTMLElement {
 }
 
 function resume(studio: Studio): HTMLElement | null {
-  if (studio.session.peek()?.project === null || !studio.meshes.peek()) return null;
-  return button({ label: `Back to ${studio.session.peek()?.name ?? 'the project'}`, run: () => void studio.load() });
+  if (!studio.canLeaveChoice()) return null;
+  return button({
+    label: `Back to ${studio.session.peek()?.name ?? 'the project'}`,
+    keys: 'Esc',
+    run: () => void studio.load(),
+  });
 }
 
 function titleOf(what: OpenRequest): string {
