@@ -31,6 +31,15 @@ export function pairList(studio: Studio, actions: Actions): HTMLElement {
     void actions.listed.value;
     for (const [id, row] of rows) row.mark(id === selected, id === hovered);
   });
+  // Only a new choice scrolls: a hand over the list would lose its place.
+  let shown: number | null = null;
+  effect(() => {
+    const selected = studio.selected.value;
+    void actions.listed.value;
+    if (selected === shown || (selected !== null && !rows.has(selected))) return;
+    shown = selected;
+    if (selected !== null) rows.get(selected)?.element.scrollIntoView({ block: 'nearest' });
+  });
   return h('div', { class: 'panel-page points' }, head(studio, actions), tools(actions), list);
 }
 
@@ -180,7 +189,6 @@ class Row {
   mark(selected: boolean, hovered: boolean): void {
     this.main.setAttribute('aria-current', String(selected));
     this.main.classList.toggle('hovered', hovered);
-    if (selected) this.element.scrollIntoView({ block: 'nearest' });
   }
 }
 
