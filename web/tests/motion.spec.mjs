@@ -1,15 +1,11 @@
-// Playing results, clips, one history, messages, free values of forms, and what becomes of masks.
+// Playing results, clips, free values of forms, and places of a run.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { atRest, openPage, pairs, saved, studioOfFile } from './browser.mjs';
-import { freePlace } from './places.mjs';
 import { mocked, serve } from './servers.mjs';
 
 const studio = studioOfFile({ resolution: 50, ahead: 4000 });
 
-/** Waits until what is painted is saved; before, the page says “not saved yet”. */
-const isSaved = (page) =>
-  page.waitForFunction(() => document.querySelector('[aria-label="Save"] .muted').textContent === 'saved');
 const channel = (page) => page.evaluate(() => window.mimesh.studio.live.target.peek()?.header.channel);
 const shownOption = (page) =>
   page.evaluate(() => document.querySelector('.pane-result select').selectedOptions[0].textContent);
@@ -68,48 +64,6 @@ test('clips of the source are listed, and another one is chosen', { skip: !mocke
   await page.close();
 });
 
-test('points and settings are undone in the order in which they were done, and the page says what', async () => {
-  const page = await studio.open();
-  const pair = (await pairs(page)).find((one) => one.source && one.target);
-  await page.evaluate((id) => {
-    window.mimesh.studio.markers.edit({ op: 'rename', pair: id, name: 'first-name' });
-  }, pair.id);
-  await saved(page);
-  await page.evaluate(() => window.mimesh.studio.pipeline.set(['output'], 'other.glb'));
-  assert.match(await page.getAttribute('[aria-label="Undo"]', 'title'), /Undo: set output/);
-  await page.click('[aria-label="Undo"]');
-  await page.waitForFunction(() =>
-    /Undid: set output/.test(document.querySelector('.view-bar .notice-text').textContent),
-  );
-  await page.click('[aria-label="Undo"]');
-  await page.waitForFunction(() => /Undid: renamed/.test(document.querySelector('.view-bar .notice-text').textContent));
-  assert.equal((await pairs(page)).find((one) => one.id === pair.id).name, pair.name);
-  await page.click('[aria-label="Redo"]');
-  await page.waitForFunction(() =>
-    /Did again: renamed/.test(document.querySelector('.view-bar .notice-text').textContent),
-  );
-  await page.click('[aria-label="Undo"]');
-  await page.waitForFunction((n) => window.mimesh.studio.markers.pairs.peek().some((one) => one.name === n), pair.name);
-  assert.deepEqual(page.errors, []);
-  await page.close();
-});
-
-test('messages cover no mesh, before and after they vanish', async () => {
-  const page = await studio.open();
-  for (let i = 0; i < 4; i++)
-    await page.evaluate((n) => window.mimesh.studio.markers.onNotice({ text: `Told ${n}`, hint: 'A hint.' }), i);
-  await page.waitForSelector('.notice-line strong:visible');
-  const line = await page.locator('.view-bar .notice-line').boundingBox();
-  for (const pane of ['.pane-source', '.pane-result']) {
-    const view = await page.locator(`${pane} .pane-surface`).boundingBox();
-    assert.ok(line.y + line.height <= view.y, pane);
-  }
-  await page.click('.notice-line button:has-text("All")');
-  assert.ok((await page.locator('.messages .notice').count()) >= 4);
-  assert.deepEqual(page.errors, []);
-  await page.close();
-});
-
 test('numbers of points stay when another is deleted', async () => {
   const page = await studio.open();
   const before = await pairs(page);
@@ -153,94 +107,6 @@ test('free values are YAML, and Tab moves on', { skip: !mocked }, async () => {
   assert.notEqual(await page.evaluate(() => document.activeElement.className), 'yaml');
   assert.deepEqual(page.errors, []);
   await page.close();
-});
-
-test('each kind of mask has a name of its own, overwriting asks, and a saved one goes into the pipeline', {
-  skip: !mocked,
-}, async () => {
-  const page = await studio.open();
-  await page.click('#tab-paint');
-  const name = '[aria-label="Save"] input[maxlength="60"]';
-  assert.equal(await page.inputValue(name), 'weights');
-  await page.click('text=Fill');
-  await page.click('[aria-label="Save"] .primary');
-  await page.waitForSelector('.masks .link');
-  // The same mask again asks nothing.
-  await page.click('text=Invert');
-  await page.click('[aria-label="Save"] .primary');
-  await isSaved(page);
-  assert.equal(await page.locator('dialog[open]').count(), 0);
-  await page.selectOption('.paint select >> nth=0', 'components');
-  assert.equal(await page.inputValue(name), 'rigid');
-  await page.fill(name, 'weights');
-  await page.click('[aria-label="Save"] .primary');
-  await page.waitForSelector('dialog[open]');
-  await page.click('dialog >> text=Keep it');
-  await page.fill(name, 'rigid');
-  const place = await freePlace(page, 'result');
-  await page.mouse.click(place.x, place.y);
-  await page.click('[aria-label="Save"] .primary');
-  await page.waitForFunction(() => document.querySelectorAll('.masks .link').length === 2);
-  await page.click('text=Use in the pipeline');
-  await page.waitForFunction(() => window.mimesh.studio.pipeline.pipeline.peek().value.transfer.rigid?.length === 1);
-  await page.close();
-});
-
-test('a name that is typed while a mask of the other kind is saved stays', { skip: !mocked }, async () => {
-  const page = await studio.open();
-  let answer;
-  const asked = new Promise((resolve) => {
-    answer = resolve;
-  });
-  await page.route('**/api/masks/**', async (route) => {
-    await asked;
-    await route.continue();
-  });
-  await page.click('#tab-paint');
-  const name = '[aria-label="Save"] input[maxlength="60"]';
-  await page.click('text=Fill');
-  await page.fill(name, 'late');
-  await page.click('[aria-label="Save"] .primary');
-  await page.selectOption('.paint select >> nth=0', 'components');
-  await page.fill(name, 'teeth');
-  answer();
-  await page.waitForSelector('.masks .link');
-  assert.equal(await page.inputValue(name), 'teeth');
-  await page.selectOption('.paint select >> nth=0', 'weights');
-  assert.equal(await page.inputValue(name), 'late');
-  await isSaved(page);
-  await page.close();
-});
-
-test('masks are for shapes: a source of frames is told so before painting, and one of shapes takes them', {
-  skip: !mocked,
-}, async () => {
-  const frames = await studio.open();
-  await frames.click('#tab-paint');
-  await frames.waitForSelector('.mask-note:visible');
-  await frames.selectOption('.paint select >> nth=0', 'components');
-  assert.equal(await frames.locator('.mask-note:visible').count(), 0);
-  await frames.selectOption('.paint select >> nth=0', 'weights');
-  await frames.click('text=Fill');
-  await frames.fill('[aria-label="Save"] input[maxlength="60"]', 'of-frames');
-  await frames.click('[aria-label="Save"] .primary');
-  await frames.waitForSelector('.use .button');
-  assert.ok(await frames.isDisabled('.use .button'));
-  // What is undone of the brush is said.
-  await frames.keyboard.press('Control+z');
-  await frames.waitForFunction(() => /stroke/.test(document.querySelector('.view-bar .notice-text').textContent));
-  await frames.close();
-
-  const own = await serve({ resolution: 50, shapes: true });
-  const page = await openPage(studio.browser, own.url);
-  await page.click('#tab-paint');
-  assert.equal(await page.locator('.mask-note:visible').count(), 0);
-  await page.click('text=Fill');
-  await page.click('[aria-label="Save"] .primary');
-  await page.click('text=Use in the pipeline');
-  await page.waitForFunction(() => window.mimesh.studio.pipeline.pipeline.peek().value.shapes?.masks['*']);
-  await page.close();
-  await own.close();
 });
 
 test('a run has sentences, its places are pointed at, and it is out of date after a change', {
@@ -342,4 +208,30 @@ test('a source with shapes and a clip goes from one to the other and back', { sk
   assert.deepEqual(page.errors, []);
   await page.close();
   await own.close();
+});
+
+test('a view that joins linked cameras looks from their side, and all turn alike', async () => {
+  const page = await studio.open();
+  await page.keyboard.press('2');
+  await atRest(page);
+  await page.keyboard.press('v');
+  const sides = () =>
+    page.evaluate(() =>
+      window.mimesh.stage.panes
+        .peek()
+        .map(({ view }) => [view.orbit.yaw, view.orbit.pitch].map((x) => x.toFixed(6)).join()),
+    );
+  await page.waitForFunction(() => window.mimesh.stage.panes.peek().length === 3);
+  assert.deepEqual(new Set(await sides()).size, 1);
+  // Views that were turned alone line up when they are linked.
+  await page.keyboard.press('l');
+  await page.focus('.pane-rest .pane-surface');
+  for (let i = 0; i < 4; i++) await page.keyboard.press('ArrowRight');
+  assert.deepEqual(new Set(await sides()).size, 2);
+  await page.keyboard.press('l');
+  await page.keyboard.press('ArrowUp');
+  await atRest(page);
+  assert.deepEqual(new Set(await sides()).size, 1);
+  await page.keyboard.press('v');
+  await page.close();
 });

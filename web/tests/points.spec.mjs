@@ -51,7 +51,7 @@ test('a click on each mesh makes a pair, and Shift snaps to a vertex', async () 
   assert.ok('triangle' in made.source);
   assert.ok('vertex' in made.target);
   assert.equal(made.status, 'confirmed');
-  assert.equal(await page.evaluate(() => window.mimesh.studio.selected.peek()), null);
+  assert.equal(await page.evaluate(() => window.mimesh.studio.selected.peek()), made.id);
   assert.deepEqual(page.errors, []);
   await page.close();
 });

@@ -1,9 +1,10 @@
 import { openMirrorDialog } from '../markers/mirror.ts';
-import { doubtfulFirst, matches, needOf, neighbour, pairTitle, readableIn } from '../markers/order.ts';
+import { doubtfulFirst, matches, needOf, neighbour, pairTitle } from '../markers/order.ts';
 import { api, describeError, sentence } from '../protocol/client.ts';
 import type { Pair, Status } from '../protocol/types.ts';
 import { notify, settle } from '../ui/notices.ts';
 import { computed, effect, flush, signal } from '../ui/signal.ts';
+import { readableIn } from '../ui/words.ts';
 import type { Stage } from '../views/stage.ts';
 import type { Studio } from './studio.ts';
 
@@ -26,6 +27,12 @@ export class Actions {
       const found = studio.markers.pairs.value.filter((pair) => matches(pair, this.search.value));
       return this.order.value === 'doubtful' ? doubtfulFirst(found) : found;
     });
+    // What undo brings back is shown.
+    studio.history.onReturned = (ids) => {
+      if (ids.length !== 1) return;
+      studio.selected.value = ids[0];
+      this.flyTo(ids[0]);
+    };
     // Why a pair was shown holds no more once it is checked, or another one is selected.
     effect(() => {
       const id = this.reasonOf.value;
@@ -59,7 +66,7 @@ export class Actions {
       notify(readableIn(sentence(next.reason)), null, 'info', 'next');
     } catch (error) {
       const { message, hint } = describeError(error);
-      notify(message, hint, 'error');
+      notify(message, hint, 'error', 'next');
     }
   }
 
@@ -79,7 +86,9 @@ export class Actions {
     if (!pair) return;
     const after = neighbour(this.listed.value, pair.id, 1);
     this.studio.markers.edit({ op: 'delete', pair: pair.id });
-    this.studio.selected.value = after && after.id !== pair.id ? after.id : null;
+    const next = after && after.id !== pair.id ? after.id : null;
+    this.studio.selected.value = next;
+    if (next !== null) this.flyTo(next);
     notify(`Deleted ${pairTitle(pair)}.`, 'Ctrl Z brings it back.');
   }
 
@@ -103,7 +112,10 @@ export class Actions {
   }
 
   mirror(): void {
-    openMirrorDialog(this.studio);
+    openMirrorDialog(this.studio, (id) => {
+      this.studio.selected.value = id;
+      this.flyTo(id);
+    });
   }
 
   propose(): void {

@@ -1,10 +1,11 @@
-import { readableIn } from '../markers/order.ts';
+import { sentence } from '../protocol/client.ts';
 import { runControl } from '../stages/run.ts';
 import { button } from '../ui/controls.ts';
 import { fill, h } from '../ui/dom.ts';
 import { icon } from '../ui/icons.ts';
 import { effect } from '../ui/signal.ts';
 import { theme, toggleTheme } from '../ui/theme.ts';
+import { readableIn } from '../ui/words.ts';
 import { openAbout } from './about.ts';
 import type { Studio } from './studio.ts';
 
@@ -66,7 +67,9 @@ function saveState(studio: Studio): HTMLElement {
     const [level, text] = describe(studio);
     element.dataset.level = level;
     element.textContent = text;
-    element.title = [text, studio.pipeline.pipeline.value?.file, studio.markers.document.value.file]
+    const mistakes = studio.pipeline.mistakes.value.map((one) => sentence(one.message));
+    if (mistakes.length > 0) mistakes.push('All is saved as it is. Stages shows where the mistakes are.');
+    element.title = [text, ...mistakes, studio.pipeline.pipeline.value?.file, studio.markers.document.value.file]
       .filter(Boolean)
       .join('\n');
   });
@@ -85,9 +88,11 @@ function describe(studio: Studio): ['good' | 'busy' | 'bad', string] {
   const failed = disk === 'failed' ? disk_error : pipeline?.disk === 'failed' ? pipeline.disk_error : undefined;
   if (failed !== undefined) return ['bad', `Not saved: ${failed ?? 'the file cannot be written'}`];
   if (disk === 'changed_elsewhere') return ['bad', 'The file was changed by another program'];
+  if (studio.pipeline.mistakes.value.length > 0) return ['bad', 'Mistakes'];
   if (waiting > 0 || studio.pipeline.saving.value) return ['busy', 'Saving …'];
   if (!pipeline?.exists) return ['busy', 'Not written yet'];
+  if (studio.painting.hasUnsaved) return ['busy', 'What is painted is not saved'];
   return exists || pairs.length === 0
     ? ['good', 'Saved']
-    : ['busy', 'Proposed points are saved once you confirm or move one'];
+    : ['busy', 'Proposed pairs are saved once you confirm or move one'];
 }

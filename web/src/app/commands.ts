@@ -1,5 +1,4 @@
 import type { Player } from '../live/timeline.ts';
-import type { Painter } from '../paint/painter.ts';
 import { isolate, showAll, toggleComponent } from '../views/components.ts';
 import type { Pane } from '../views/pane.ts';
 import type { Stage } from '../views/stage.ts';
@@ -13,32 +12,20 @@ const NUDGE = 2;
 const TURN = 24;
 
 /** Every command that has a key. */
-export function makeCommands(
-  studio: Studio,
-  stage: Stage,
-  actions: Actions,
-  player: Player,
-  painter: Painter,
-): Command[] {
-  // Strokes of the brush have a history of their own.
-  const painting = () => studio.panel.peek() === 'paint';
+export function makeCommands(studio: Studio, stage: Stage, actions: Actions, player: Player): Command[] {
   const commands: Command[] = [
-    command('Points', 'next', 'Go to the point that helps most', ['g'], () => void actions.next()),
-    command('Points', 'down', 'Select the pair below', ['j'], () => actions.select(1)),
-    command('Points', 'up', 'Select the pair above', ['k'], () => actions.select(-1)),
-    command('Points', 'confirm', 'Confirm, and go on', ['c'], () => actions.confirm()),
-    command('Points', 'skip', 'Skip, or take back into use', ['s'], () => actions.skip()),
-    command('Points', 'new', 'Begin a new pair', ['n'], () => actions.startNew()),
-    command('Points', 'rename', 'Rename', ['r', 'f2'], () => actions.editName()),
-    command('Points', 'delete', 'Delete', ['delete', 'backspace'], () => actions.remove()),
-    command('Points', 'mirror', 'Mirror across a plane', ['m'], () => actions.mirror()),
-    command('Points', 'undo', 'Undo', ['mod+z'], () =>
-      painting() ? painter.step(false) : void studio.history.step(false),
-    ),
-    command('Points', 'redo', 'Redo', ['mod+shift+z', 'mod+y'], () =>
-      painting() ? painter.step(true) : void studio.history.step(true),
-    ),
-    command('Points', 'letgo', 'Let go of the selected pair', ['escape'], () => letGo(studio, stage)),
+    command('Pairs', 'next', 'Go to the pair that helps most', ['g'], () => void actions.next()),
+    command('Pairs', 'down', 'Select the pair below', ['j'], () => actions.select(1)),
+    command('Pairs', 'up', 'Select the pair above', ['k'], () => actions.select(-1)),
+    command('Pairs', 'confirm', 'Confirm, and go on', ['c'], () => actions.confirm()),
+    command('Pairs', 'skip', 'Skip, or take back into use', ['s'], () => actions.skip()),
+    command('Pairs', 'new', 'Begin a new pair', ['n'], () => actions.startNew()),
+    command('Pairs', 'rename', 'Rename', ['r', 'f2'], () => actions.editName()),
+    command('Pairs', 'delete', 'Delete', ['delete', 'backspace'], () => actions.remove()),
+    command('Pairs', 'mirror', 'Mirror across a plane', ['m'], () => actions.mirror()),
+    command('Pairs', 'undo', 'Undo', ['mod+z'], () => void studio.history.step(false)),
+    command('Pairs', 'redo', 'Redo', ['mod+shift+z', 'mod+y'], () => void studio.history.step(true)),
+    command('Pairs', 'letgo', 'Let go of the selected pair', ['escape'], () => letGo(studio, stage)),
     command('View', 'fly', 'Fly to the selected pair', ['f'], () => actions.flyTo(studio.selected.peek())),
     command('View', 'whole', 'See the whole mesh', ['home'], () => stage.camera.whole()),
     command('View', 'front', 'See it from the front', ['1'], () => stage.camera.whole(0, 0)),
@@ -94,12 +81,20 @@ function flip(value: { value: boolean }): void {
 }
 
 function letGo(studio: Studio, stage: Stage): void {
-  if (document.activeElement instanceof HTMLInputElement || document.activeElement instanceof HTMLTextAreaElement) {
+  if (isField(document.activeElement)) {
     document.activeElement.blur();
   } else {
     studio.selected.value = null;
     stage.camera.letGo();
   }
+}
+
+function isField(element: Element | null): element is HTMLElement {
+  return (
+    element instanceof HTMLInputElement ||
+    element instanceof HTMLTextAreaElement ||
+    element instanceof HTMLSelectElement
+  );
 }
 
 function onComponent(stage: Stage, run: (pane: Pane, component: number) => void): void {

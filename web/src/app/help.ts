@@ -21,7 +21,7 @@ const VIEW_KEYS: [string, string][] = [
 ];
 
 export function openHelp(commands: readonly Command[]): void {
-  const groups = (['Points', 'View', 'Motion', 'Page'] as const).map((group) =>
+  const groups = (['Pairs', 'View', 'Motion', 'Page'] as const).map((group) =>
     table(
       group,
       commands

@@ -21,14 +21,21 @@ export function strokeOf(event: KeyLike): string {
 export interface Command {
   id: string;
   title: string;
-  group: 'Points' | 'View' | 'Motion' | 'Page';
+  group: 'Pairs' | 'View' | 'Motion' | 'Page';
   keys: string[];
   run: () => void;
 }
 
-/** The command of a stroke. A text field keeps its keys, undo among them, but Escape leaves it. */
-export function commandFor(commands: readonly Command[], stroke: string, typing: boolean): Command | null {
-  if (typing && stroke !== 'escape') return null;
+/** What keys do where the focus is. */
+export type Keys = 'write' | 'choose' | 'command';
+
+/**
+ * The command of a stroke. A text field keeps its keys, undo among them, and a list those that it is chosen from by: letters, digits,
+ * arrows and the like. Escape leaves both.
+ */
+export function commandFor(commands: readonly Command[], stroke: string, keys: Keys): Command | null {
+  if (keys === 'write' && stroke !== 'escape') return null;
+  if (keys === 'choose' && !/^(escape|delete|mod\+.*|[^a-z0-9])$/.test(stroke)) return null;
   return commands.find((command) => command.keys.includes(stroke)) ?? null;
 }
 

@@ -1,4 +1,4 @@
-import { readableIn } from '../markers/order.ts';
+import { readableIn } from '../ui/words.ts';
 
 /** What a step did, in the past: `move nose` was `moved nose`. */
 export function past(step: string): string {
@@ -16,8 +16,8 @@ const PAST: Record<string, string> = {
   skip: 'skipped',
   delete: 'deleted',
   reorder: 'moved',
-  mirror: 'mirrored points',
-  propose: 'proposed points',
+  mirror: 'mirrored pairs',
+  propose: 'proposed pairs',
   set: 'set',
   leave: 'left',
   edit: 'edited',

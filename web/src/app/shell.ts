@@ -9,10 +9,11 @@ import { type Failure, sentence } from '../protocol/client.ts';
 import type { Diagnostic } from '../protocol/types.ts';
 import { stagesPanel } from '../stages/panel.ts';
 import { startPage } from '../start/start.ts';
-import { button } from '../ui/controls.ts';
+import { button, releaseLists } from '../ui/controls.ts';
 import { fill, h } from '../ui/dom.ts';
 import { type IconName, icon } from '../ui/icons.ts';
-import { noticeLine } from '../ui/notices.ts';
+import { noticeLine } from '../ui/noticeline.ts';
+import { inline } from '../ui/prose.ts';
 import { detached, effect } from '../ui/signal.ts';
 import { furnishPane } from '../views/heads.ts';
 import type { Pane } from '../views/pane.ts';
@@ -22,7 +23,7 @@ import { Actions } from './actions.ts';
 import { topBar } from './bar.ts';
 import { makeCommands, paneKey } from './commands.ts';
 import { openHelp } from './help.ts';
-import { commandFor, strokeOf } from './keys.ts';
+import { commandFor, type Keys, strokeOf } from './keys.ts';
 import type { Panel, Studio } from './studio.ts';
 
 /** Puts the page together. */
@@ -31,7 +32,7 @@ export function mount(root: HTMLElement, studio: Studio): Stage {
   const actions = new Actions(studio, stage);
   const player = new Player(studio);
   const painter = new Painter(studio, stage);
-  const commands = makeCommands(studio, stage, actions, player, painter);
+  const commands = makeCommands(studio, stage, actions, player);
   const furnished = new WeakSet<Pane>();
   effect(() => {
     for (const pane of stage.panes.value) {
@@ -70,12 +71,17 @@ export function mount(root: HTMLElement, studio: Studio): Stage {
     work,
     cover,
   );
+  releaseLists(document);
   document.addEventListener('keydown', (event) => {
+    if (event.key === 'Escape' && studio.canLeaveChoice() && !document.querySelector('dialog[open], :popover-open')) {
+      void studio.load();
+      return;
+    }
     if (studio.phase.peek().name !== 'ready' || document.querySelector('dialog[open]')) return;
     const pane = stage.panes.peek().find((other) => other.surfaceElement === event.target);
     if (pane && !event.ctrlKey && !event.metaKey && paneKey(stage, pane, event)) return event.preventDefault();
     if (pane === undefined && event.key === ' ' && event.target instanceof HTMLButtonElement) return;
-    const command = commandFor(commands, strokeOf(event), isTyping(event.target));
+    const command = commandFor(commands, strokeOf(event), keysOf(event.target));
     if (!command) return;
     event.preventDefault();
     command.run();
@@ -83,9 +89,13 @@ export function mount(root: HTMLElement, studio: Studio): Stage {
   return stage;
 }
 
-function isTyping(target: EventTarget | null): boolean {
-  if (target instanceof HTMLInputElement) return !['range', 'radio', 'checkbox', 'button'].includes(target.type);
-  return target instanceof HTMLTextAreaElement || target instanceof HTMLSelectElement;
+/** What keys do in an element: they write, they choose from a list, or they are those of the page. */
+function keysOf(target: EventTarget | null): Keys {
+  if (target instanceof HTMLSelectElement) return 'choose';
+  if (target instanceof HTMLTextAreaElement) return 'write';
+  const isText =
+    target instanceof HTMLInputElement && !['range', 'radio', 'checkbox', 'button', 'file'].includes(target.type);
+  return isText ? 'write' : 'command';
 }
 
 function failure(studio: Studio, { message, hint, diagnostics }: Failure): HTMLElement {
@@ -94,8 +104,8 @@ function failure(studio: Studio, { message, hint, diagnostics }: Failure): HTMLE
     { class: 'message failed', role: 'alert' },
     icon('warning'),
     h('h1', {}, 'This could not be opened'),
-    h('p', {}, message),
-    hint ? h('p', { class: 'hint' }, hint) : null,
+    h('p', {}, ...inline(message)),
+    hint ? h('p', { class: 'hint' }, ...inline(hint)) : null,
     diagnostics.length > 0 ? h('ul', { class: 'diagnostics' }, ...diagnostics.map(diagnosticItem)) : null,
     h(
       'div',
@@ -112,13 +122,13 @@ function diagnosticItem(fault: Diagnostic): HTMLElement {
     'li',
     {},
     place ? h('strong', {}, `${place} `) : null,
-    sentence(fault.message),
-    fault.hint ? ` ${sentence(fault.hint)}` : null,
+    ...inline(sentence(fault.message)),
+    ...(fault.hint ? [' ', ...inline(sentence(fault.hint))] : []),
   );
 }
 
 const TABS: { panel: Panel; label: string; icon: IconName }[] = [
-  { panel: 'points', label: 'Points', icon: 'target' },
+  { panel: 'points', label: 'Pairs', icon: 'target' },
   { panel: 'result', label: 'Result', icon: 'eye' },
   { panel: 'stages', label: 'Stages', icon: 'list' },
   { panel: 'paint', label: 'Paint', icon: 'brush' },

@@ -1,16 +1,16 @@
 import { Live } from '../live/live.ts';
 import { MarkerStore } from '../markers/store.ts';
+import { Painting } from '../paint/painting.ts';
 import { api, describeError, type Failure, RequestError, sentence } from '../protocol/client.ts';
-import { floats, words } from '../protocol/container.ts';
 import { Socket } from '../protocol/socket.ts';
 import type { FromServer, Job, OpenRequest, Point, Session, Side } from '../protocol/types.ts';
 import { PipelineStore } from '../stages/store.ts';
 import { FileChoice } from '../start/choice.ts';
 import { rememberRecent } from '../start/recent.ts';
-import { clearNotices, notify, settle } from '../ui/notices.ts';
-import { effect, signal } from '../ui/signal.ts';
-import type { MeshData } from '../viewer/surface.ts';
-import { follows } from './jobs.ts';
+import { clearNotices, notify, settle, settleErrors } from '../ui/notices.ts';
+import { computed, effect, signal } from '../ui/signal.ts';
+import { follows, tellProposals } from './jobs.ts';
+import { loadMesh, type Meshes, sameMeshes, warnOfOneFile } from './meshes.ts';
 import { Runs } from './runs.ts';
 import { Undo } from './undo.ts';
 
@@ -21,11 +21,6 @@ export type Phase =
   | { name: 'ready' };
 
 export type Panel = 'points' | 'result' | 'stages' | 'paint';
-
-export interface Meshes {
-  source: MeshData;
-  target: MeshData;
-}
 
 export interface DraggedPoint {
   pair: number;
@@ -39,6 +34,7 @@ export class Studio {
   readonly live = new Live(this.socket);
   readonly markers = new MarkerStore();
   readonly pipeline = new PipelineStore();
+  readonly painting = new Painting();
   readonly history = new Undo(this);
   readonly files = new FileChoice();
   readonly phase = signal<Phase>({ name: 'loading', text: 'Connecting …' });
@@ -51,6 +47,8 @@ export class Studio {
   readonly refused = signal(false);
   readonly panel = signal<Panel>('points');
   readonly selected = signal<number | null>(null);
+  /** The selected pair if it was begun by a click: once it is complete, the next click begins another. */
+  readonly fresh = signal<{ pair: number; complete: boolean } | null>(null);
   readonly hovered = signal<number | null>(null);
   readonly dragged = signal<DraggedPoint | null>(null);
   readonly hidden = { source: signal<ReadonlySet<number>>(new Set()), target: signal<ReadonlySet<number>>(new Set()) };
@@ -69,11 +67,25 @@ export class Studio {
       const pipeline = this.pipeline.pipeline.value?.revision ?? 0;
       this.live.revisions.value = { markers: this.markers.document.value.revision, pipeline };
     });
+    // What failed because of points or settings may do with others.
+    const state = computed(() => {
+      const { markers, pipeline } = this.live.revisions.value;
+      return `${markers} ${pipeline} ${this.pipeline.mistakes.value.length}`;
+    });
+    effect(() => {
+      void state.value;
+      settleErrors(['run', 'propose', 'next']);
+    });
     this.markers.onNotice = ({ text, hint }) => notify(text, hint);
     this.markers.onRenumbered = (ids) => {
       const id = this.selected.peek();
       if (id !== null && ids.has(id)) this.selected.value = ids.get(id) ?? null;
+      const fresh = this.fresh.peek();
+      if (fresh) this.fresh.value = { ...fresh, pair: ids.get(fresh.pair) ?? fresh.pair };
     };
+    effect(() => {
+      if (this.fresh.value && this.fresh.value.pair !== this.selected.value) this.fresh.value = null;
+    });
   }
 
   start(): void {
@@ -101,6 +113,11 @@ export class Studio {
     this.phase.value = { name: 'start' };
   }
 
+  /** Whether files are being chosen while a project is open, to which Escape leads back. */
+  canLeaveChoice(): boolean {
+    return this.phase.peek().name === 'start' && this.session.peek()?.project != null && this.meshes.peek() !== null;
+  }
+
   async load(): Promise<void> {
     try {
       await this.show(await api.session());
@@ -112,8 +129,8 @@ export class Studio {
   async run(): Promise<void> {
     try {
       await this.markers.settled();
-      this.setJob(await api.run());
       settle('run');
+      this.setJob(await api.run());
       this.panel.value = 'result';
     } catch (error) {
       const { message, hint } = describeError(error);
@@ -125,15 +142,16 @@ export class Studio {
     try {
       this.setJob(await api.cancel(job.id));
     } catch (error) {
-      notify(describeError(error).message, null, 'error');
+      notify(describeError(error).message, null, 'error', job.kind);
     }
   }
 
   async propose(others?: number): Promise<void> {
     try {
       await this.markers.settled();
-      this.setJob(await api.propose(others));
+      // Before the request: the job may be done before its answer is there.
       settle('propose');
+      this.setJob(await api.propose(others));
     } catch (error) {
       const { message, hint } = describeError(error);
       notify(message, hint, 'error', 'propose');
@@ -174,11 +192,21 @@ export class Studio {
     settle('live');
     this.markers.open(session.project, markers.file ?? session.name ?? '', markers);
     this.pipeline.open(pipeline);
+    const left = this.painting.open(session);
+    this.history.rebase();
     this.jobs.value = jobs;
     this.meshes.value = { source, target };
     this.live.open(session.project);
     this.phase.value = { name: 'ready' };
     if (!isSame) warnOfOneFile(session);
+    // The proposals of a new project may be there before its meshes are.
+    const isNew = !isSame && !markers.exists && markers.pairs.length > 0;
+    if (isNew && jobs.every((job) => job.state !== 'running')) tellProposals(this.markers.pairs.peek());
+    if (left.length > 0)
+      notify(
+        `What was painted on ${left.join(' and ')} is not saved.`,
+        'It comes back when its project is opened again in this page.',
+      );
     document.title = `${session.name ?? 'mimesh'} – mimesh studio`;
   }
 
@@ -190,6 +218,7 @@ export class Studio {
       await this.show(await api.session());
       this.markers.reopen(await api.markers());
       this.pipeline.open(await api.pipeline());
+      this.history.rebase();
       this.jobs.value = await api.jobs();
       this.live.reconnect();
       settle('connection');
@@ -219,7 +248,7 @@ export class Studio {
         break;
       case 'markers':
         this.markers.receive(message.markers);
-        if (message.cause === 'disk') notify('The markers were changed by another program, and were read again.');
+        if (message.cause === 'disk') notify('The pairs were changed by another program, and were read again.');
         break;
       case 'pipeline':
         this.pipeline.receive(message.pipeline);
@@ -265,28 +294,7 @@ export class Studio {
     if (job.state === 'failed') notify(sentence(job.error?.message ?? 'it failed'), job.error?.hint, 'error', job.kind);
     if (job.state !== 'done') return;
     if (job.kind === 'run') void this.readFiles();
-    const total = job.result?.summary.total;
-    notify(job.kind === 'run' ? `The run is done: ${total}.` : 'New proposals are there.', null, 'info', job.kind);
+    if (job.kind === 'run') notify(`The run is done: ${job.result?.summary.total}.`, null, 'info', 'run');
+    else void this.markers.settled().then(() => tellProposals(this.markers.pairs.peek()));
   }
-}
-
-function sameMeshes(a: Session, b: Session): boolean {
-  const of = ({ source, target }: Session) => JSON.stringify([source, target]);
-  return of(a) === of(b);
-}
-
-function warnOfOneFile({ source, target }: Session): void {
-  if (source?.file && source.file === target?.file)
-    notify('Source and target are the same file.', 'If that is a mistake, open another target.', 'error', 'files');
-}
-
-async function loadMesh(side: Side): Promise<MeshData> {
-  const { arrays } = await api.mesh(side);
-  return {
-    positions: floats(arrays, 'positions'),
-    triangles: words(arrays, 'triangles'),
-    components: words(arrays, 'components'),
-    welded: words(arrays, 'welded'),
-    edges: words(arrays, 'edges'),
-  };
 }

@@ -16,14 +16,13 @@ effect(() => writeStored('with-shapes', [...withShapes.value].slice(-50)));
 /** The clips of the source's file, where it holds several; another one becomes `source.poses` of the pipeline. */
 export function clipChoice(studio: Studio): HTMLElement {
   const clips = () => studio.session.value?.poses?.clips ?? [];
-  const shapes = () => studio.session.value?.poses?.are === 'shapes';
-  // Once a clip is chosen, the session no longer says that the file has shapes.
-  const hadShapes = () => withShapes.value.has(fileOf(studio));
+  const areShapes = () => studio.session.value?.poses?.are === 'shapes';
   effect(() => {
-    if (shapes() && !hadShapes()) withShapes.value = new Set([...withShapes.value, fileOf(studio)]);
+    if (areShapes() && !withShapes.value.has(fileOf(studio)))
+      withShapes.value = new Set([...withShapes.value, fileOf(studio)]);
   });
   const options = () => [
-    ...(shapes() || hadShapes() ? [{ value: SHAPES, label: 'Shapes' }] : []),
+    ...(hasShapes(studio) ? [{ value: SHAPES, label: 'Shapes' }] : []),
     ...(present() === SEVERAL ? [{ value: SEVERAL, label: 'Several clips' }] : []),
     ...clips().map((clip) => ({ value: clip.name, label: describe(clip) })),
   ];
@@ -33,7 +32,7 @@ export function clipChoice(studio: Studio): HTMLElement {
     options,
     value: () => present() ?? SHAPES,
     change: (name) => {
-      if (name === SHAPES) return void studio.pipeline.unset(['source', 'poses']);
+      if (name === SHAPES) return chooseShapes(studio);
       const { path, value } = clipSetting(studio.pipeline.pipeline.peek()?.value, name);
       void studio.pipeline.set(path as Step[], value);
     },
@@ -45,6 +44,16 @@ export function clipChoice(studio: Studio): HTMLElement {
     element.title = `The clip whose motion is carried over: ${options().find(({ value }) => value === (present() ?? SHAPES))?.label ?? 'none'}`;
   });
   return element;
+}
+
+/** Whether the source has shapes. Once a clip is chosen, the session no longer says it. */
+export function hasShapes(studio: Studio): boolean {
+  return studio.session.value?.poses?.are === 'shapes' || withShapes.value.has(fileOf(studio));
+}
+
+/** Shapes become the poses again in place of a clip. */
+export function chooseShapes(studio: Studio): void {
+  void studio.pipeline.unset(['source', 'poses']);
 }
 
 /** The source, by which it is known again when a clip of it is chosen. */

@@ -29,9 +29,3 @@ export function frameAt(seconds: number, rate: number, count: number): number {
   if (count < 1) return 0;
   return ((Math.floor(seconds * rate + 1e-9) % count) + count) % count;
 }
-
-/** 1st, 2nd, 3rd, 4th and so on. */
-export function ordinal(count: number): string {
-  const teen = count % 100 > 10 && count % 100 < 14;
-  return `${count}${teen ? 'th' : (['th', 'st', 'nd', 'rd'][count % 10] ?? 'th')}`;
-}

@@ -5,7 +5,7 @@ import { h } from '../ui/dom.ts';
 import { effect } from '../ui/signal.ts';
 import { nearestFrame } from './ahead.ts';
 import { clipChoice } from './clips.ts';
-import { frameAt, ordinal } from './frames.ts';
+import { frameAt } from './frames.ts';
 
 const USUAL_RATE = 24;
 /** Longer names of poses are cut; the tooltip has them in full. */
@@ -104,7 +104,8 @@ export function timeline(studio: Studio, player: Player): HTMLElement {
   // The longest name has room, so that nothing moves from frame to frame.
   effect(() => {
     const poses = player.poses;
-    const texts = (poses?.list ?? []).map((_, frame) => describe(studio, poses, frame).length);
+    const frames = poses === null ? [null] : [null, ...poses.list.keys()];
+    const texts = frames.map((frame) => describe(studio, poses, frame).length);
     name.style.setProperty('--longest', String(Math.min(Math.max(0, ...texts), MOST_LETTERS)));
   });
   effect(() => {
@@ -155,6 +156,6 @@ function describe(studio: Studio, poses: Poses | null, frame: number | null): st
   if (frame === null) return `At rest · ${all.list.length} frames`;
   const pose = poses?.list[frame];
   const seconds = pose?.seconds === null || pose?.seconds === undefined ? '' : ` · ${pose.seconds.toFixed(2)} s`;
-  // Names of poses count from 0 or from 1, as their files do; the place in the clip is an ordinal.
-  return `${pose?.name ?? frame} · ${ordinal(frame + 1)} of ${all.list.length}${seconds}`;
+  // Names of poses count from 0 or from 1, as their files do, so no other count stands beside them.
+  return `${pose?.name ?? frame} · ${all.list.length} frames${seconds}`;
 }

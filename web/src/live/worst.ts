@@ -1,9 +1,11 @@
+import { display } from '../app/display.ts';
 import type { Studio } from '../app/studio.ts';
-import { readableIn } from '../markers/order.ts';
 import type { Worst } from '../protocol/types.ts';
 import { h } from '../ui/dom.ts';
+import { inline } from '../ui/prose.ts';
 import { effect } from '../ui/signal.ts';
 import { verdict } from '../ui/verdict.ts';
+import { readableIn } from '../ui/words.ts';
 import { formatNumber } from '../viewer/colours.ts';
 import type { Stage } from '../views/stage.ts';
 
@@ -36,7 +38,7 @@ export function worstEntries(studio: Studio, stage: Stage, list: readonly Worst[
 }
 
 function worstEntry(studio: Studio, stage: Stage, worst: Worst, short = false): HTMLElement {
-  const place = readableIn([worst.about, worst.pose_name].filter(Boolean).join(' · '));
+  const place = [readableIn(worst.about ?? ''), worst.pose_name].filter(Boolean).join(' · ');
   const value = worst.value === null ? 'not measured' : `${formatNumber(worst.value)} ${worst.unit}`;
   const limit = worst.limit === null ? '' : `, limit ${formatNumber(worst.limit)} ${worst.unit}`;
   return h(
@@ -44,8 +46,10 @@ function worstEntry(studio: Studio, stage: Stage, worst: Worst, short = false): 
     { type: 'button', class: `worst-entry ${worst.level}`, onclick: () => showWorst(studio, stage, worst) },
     verdict(worst.level),
     h('span', { class: 'figure' }, value),
-    short ? null : h('span', { class: 'about' }, `${worst.title}${limit}`),
-    short || !worst.meaning ? null : h('span', { class: 'meaning' }, `${capital(worst.meaning)}.`),
+    short ? null : h('span', { class: 'about' }, `${readableIn(worst.title)}${limit}`),
+    short || !worst.meaning
+      ? null
+      : h('span', { class: 'meaning' }, ...inline(`${capital(readableIn(worst.meaning))}.`)),
     h('span', { class: 'place' }, place || 'whole run'),
   );
 }
@@ -57,13 +61,22 @@ export function showWorst(studio: Studio, stage: Stage, worst: Worst): void {
     studio.live.pose.value =
       studio.session.peek()?.poses?.are === 'shapes' ? { blend: [[worst.pose, 1]] } : { index: worst.pose };
   }
+  showColours(studio, worst.metric);
   const marker = /^marker (.+)$/.exec(worst.about ?? '')?.[1];
   const pair = studio.markers.pairs.peek().find((one) => (one.name ?? String(one.number)) === marker);
-  if (worst.vertex !== null) stage.showPlace('target', { vertex: worst.vertex });
+  if (worst.vertex !== null) stage.showPlace('target', { vertex: worst.vertex }, pair?.source ?? null);
   else if (pair?.target) {
     studio.selected.value = pair.id;
-    stage.showPlace('target', pair.target);
+    stage.showPlace('target', pair.target, pair.source);
   } else studio.live.sought.value = { metric: worst.metric, pose: worst.pose };
+}
+
+/** The colours that show where a metric is bad, if it has a colour map. */
+function showColours(studio: Studio, metric: string): void {
+  if (!studio.session.peek()?.scalars.some((scalar) => scalar.name === metric)) return;
+  studio.live.scalar.value = metric;
+  // The target at rest has no colours.
+  if (display.target.peek() === 'rest') display.target.value = 'result';
 }
 
 /** Points at the place that is sought as soon as the pose is measured. */

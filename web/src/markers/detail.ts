@@ -4,7 +4,8 @@ import type { Pair, Point } from '../protocol/types.ts';
 import { button } from '../ui/controls.ts';
 import { fill, h, uniqueId } from '../ui/dom.ts';
 import { effect } from '../ui/signal.ts';
-import { needOf, pairTitle, readableIn } from './order.ts';
+import { readableIn } from '../ui/words.ts';
+import { needOf, pairTitle } from './order.ts';
 
 /** The selected pair: its name, its points, and what can be done with it. Its height never changes. */
 export function pairDetail(studio: Studio, actions: Actions): HTMLElement {

@@ -1,6 +1,7 @@
 import type { Actions } from '../app/actions.ts';
 import type { Studio } from '../app/studio.ts';
 import type { Pair } from '../protocol/types.ts';
+import { whatRunDoes } from '../stages/run.ts';
 import { button, progressBar, searchField, select } from '../ui/controls.ts';
 import { fill, h } from '../ui/dom.ts';
 import { icon } from '../ui/icons.ts';
@@ -29,6 +30,15 @@ export function pairList(studio: Studio, actions: Actions): HTMLElement {
     const [selected, hovered] = [studio.selected.value, studio.hovered.value];
     void actions.listed.value;
     for (const [id, row] of rows) row.mark(id === selected, id === hovered);
+  });
+  // Only a new choice scrolls: a hand over the list would lose its place.
+  let shown: number | null = null;
+  effect(() => {
+    const selected = studio.selected.value;
+    void actions.listed.value;
+    if (selected === shown || (selected !== null && !rows.has(selected))) return;
+    shown = selected;
+    if (selected !== null) rows.get(selected)?.element.scrollIntoView({ block: 'nearest' });
   });
   return h('div', { class: 'panel-page points' }, head(studio, actions), tools(actions), list);
 }
@@ -61,6 +71,7 @@ function head(studio: Studio, actions: Actions): HTMLElement {
   effect(() => {
     const { checked, all } = share();
     const isDone = all > 0 && checked === all;
+    run.title = whatRunDoes(studio);
     next.hidden = isDone;
     run.hidden = !isDone;
     done.textContent = isDone ? 'All pairs are checked. Run writes the result.' : '';
@@ -86,7 +97,13 @@ function tools(actions: Actions): HTMLElement {
       { class: 'row' },
       button({ label: 'New', keys: 'N', icon: 'plus', run: () => actions.startNew() }),
       button({ label: 'Mirror', keys: 'M', icon: 'mirror', run: () => actions.mirror() }),
-      button({ label: 'Propose', icon: 'search', run: () => actions.propose() }),
+      button({
+        label: 'Propose',
+        title:
+          'Finds pairs by the shapes of both meshes. Pairs that are only proposed are replaced; checked ones stay.',
+        icon: 'search',
+        run: () => actions.propose(),
+      }),
     ),
     h(
       'div',
@@ -118,8 +135,8 @@ function emptyText(studio: Studio): string {
   if (studio.markers.pairs.value.length > 0) return 'No pair matches the search.';
   const proposing = studio.jobs.value.some((job) => job.kind === 'propose' && job.state === 'running');
   return proposing
-    ? 'Points are being found by the shapes of both meshes …'
-    : 'Click a point on the source, then the same point on the target. “Propose” finds points by shape.';
+    ? 'Pairs are being found by the shapes of both meshes …'
+    : 'Click a place on the source, then the same place on the target. “Propose” finds pairs by shape.';
 }
 
 class Row {
@@ -172,7 +189,6 @@ class Row {
   mark(selected: boolean, hovered: boolean): void {
     this.main.setAttribute('aria-current', String(selected));
     this.main.classList.toggle('hovered', hovered);
-    if (selected) this.element.scrollIntoView({ block: 'nearest' });
   }
 }
 

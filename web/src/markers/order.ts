@@ -1,13 +1,11 @@
 import type { Pair } from '../protocol/types.ts';
+import { readable } from '../ui/words.ts';
 
 /** What a person has to do about a pair. */
 export type Need = 'partner' | 'doubtful' | 'proposed' | 'none';
 
 /** In percent, as people read it: two pairs that read `50 % sure` look alike. */
 const DOUBTFUL_BELOW = 50;
-
-/** Parts of bodies, as stages that find points by shape call them. */
-const STAGE_NAMES = new Set(['limb', 'place', 'between']);
 
 export function needOf(pair: Pair): Need {
   if (pair.status === 'skipped') return 'none';
@@ -45,22 +43,7 @@ export function matches(pair: Pair, search: string): boolean {
 }
 
 export function pairTitle(pair: Pair): string {
-  return pair.name === null ? `Point ${pair.number}` : readable(pair.name);
-}
-
-const STAGE_NAME = /\b(?:limb|place|between)\d*-\d+\b/g;
-
-/** A sentence in which names that stages give stand as the list shows them. */
-export function readableIn(text: string): string {
-  return text.replace(STAGE_NAME, readable);
-}
-
-/** Names that stages give, for people: `limb2-1` is the first point of a limb. Other names are as they are. */
-export function readable(name: string): string {
-  const parts = /^([a-z]+?)(\d*)-(\d+)$/.exec(name);
-  if (!parts || !STAGE_NAMES.has(parts[1])) return name;
-  const [, part, which, point] = parts;
-  return `${part.charAt(0).toUpperCase()}${part.slice(1)}${which ? ` ${which}` : ''}, point ${point}`;
+  return pair.name === null ? `Pair ${pair.number}` : readable(pair.name);
 }
 
 /** The pair before or after another in a list, round the end. */

@@ -1,7 +1,9 @@
 import { api, ConnectionError, describeError, RequestError } from '../protocol/client.ts';
 import type { Conflict, EditResult, Markers, Op, Pair } from '../protocol/types.ts';
 import { signal } from '../ui/signal.ts';
+import { counted } from '../ui/words.ts';
 import { EMPTY } from './empty.ts';
+import { withoutPartner } from './partners.ts';
 import { EditQueue, type PendingEdit } from './queue.ts';
 import { recoverEdits } from './recover.ts';
 
@@ -173,8 +175,8 @@ export class MarkerStore {
     if (result.conflicts.length > 0) this.conflicts.value = [...this.conflicts.peek(), ...result.conflicts];
     const { mirrored } = result;
     if (mirrored) {
-      const pairs = mirrored.added === 1 ? 'pair' : 'pairs';
-      this.onNotice({ text: `Added ${mirrored.added} mirrored ${pairs}.`, hint: withoutPartner(mirrored.left) });
+      const hint = withoutPartner(mirrored.left, (id) => this.pair(id));
+      this.onNotice({ text: `Added ${counted(mirrored.added, 'mirrored pair')}.`, hint });
     }
   }
 
@@ -184,15 +186,6 @@ export class MarkerStore {
     this.waiting.value = this.queue.waiting.length;
     writePending(this.key, this.queue.waiting);
   }
-}
-
-/** How many pairs got no partner, by the reasons. */
-function withoutPartner(left: { reason: string }[]): string | null {
-  if (left.length === 0) return null;
-  const counts = new Map<string, number>();
-  for (const { reason } of left) counts.set(reason, (counts.get(reason) ?? 0) + 1);
-  const reasons = [...counts].map(([reason, count]) => `${count} (${reason})`);
-  return `Without a partner: ${reasons.join(', ')}.`;
 }
 
 function readPending(key: string): PendingEdit[] {

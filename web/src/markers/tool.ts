@@ -10,8 +10,6 @@ const DRAG_PIXELS = 3;
 export class MarkerTool implements PaneTool {
   private readonly studio: Studio;
   private grabbed: { pair: number; x: number; y: number; moved: boolean } | null = null;
-  /** A pair that was begun by a click; once its partner is set, the next click begins another. */
-  private begun: number | null = null;
 
   constructor(studio: Studio) {
     this.studio = studio;
@@ -50,9 +48,11 @@ export class MarkerTool implements PaneTool {
 
   release(_pane: Pane): void {
     const dragged = this.studio.dragged.peek();
+    const { live, markers, fresh } = this.studio;
+    // A click on a point chooses its pair, which the next click moves.
+    if (this.grabbed && !this.grabbed.moved) fresh.value = null;
     this.grabbed = null;
     if (!dragged) return;
-    const { live, markers } = this.studio;
     // The edit before the end of the drag, or the point would flash back for one picture.
     markers.edit({ op: 'move', ...dragged });
     this.studio.dragged.value = null;
@@ -71,22 +71,19 @@ export class MarkerTool implements PaneTool {
     if (hit) this.set(pane, pointOf(hit, snap));
   }
 
-  /** Sets the point of the selected pair, or begins a pair. */
+  /** Sets the point of the selected pair, or begins a pair. One that was just made stays selected, and no click moves it. */
   set(pane: Pane, point: Point): void {
-    const { markers, selected } = this.studio;
+    const { markers, selected, fresh } = this.studio;
     const pair = markers.pair(selected.peek());
-    if (!pair) {
+    if (!pair || (fresh.peek()?.pair === pair.id && fresh.peek()?.complete)) {
       const [id] = markers.edit({ op: 'add', [pane.side]: point });
       selected.value = id;
-      this.begun = id;
+      fresh.value = { pair: id, complete: false };
       return;
     }
     const wasMissing = pair[pane.side] === null;
     markers.edit({ op: 'move', pair: pair.id, side: pane.side, point });
-    if (wasMissing && this.begun !== null) {
-      this.begun = null;
-      selected.value = null;
-    }
+    if (wasMissing && fresh.peek()?.pair === pair.id) fresh.value = { pair: pair.id, complete: true };
   }
 
   /** Moves the selected point by some pixels along the surface. */
@@ -103,7 +100,6 @@ export class MarkerTool implements PaneTool {
   /** Another pair is begun by the next click. */
   startNew(): void {
     this.studio.selected.value = null;
-    this.begun = null;
   }
 }
 

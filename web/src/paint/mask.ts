@@ -1,26 +1,9 @@
-/** Weights of vertices from 0 to 1, painted stroke by stroke. Pure. */
+/** Weights of vertices from 0 to 1. Pure. */
 export class PaintedMask {
   readonly weights: Float32Array;
-  private past: Float32Array[] = [];
-  private future: Float32Array[] = [];
 
-  constructor(count: number, weights?: Float32Array) {
-    this.weights = weights ? weights.slice() : new Float32Array(count);
-  }
-
-  get canUndo(): boolean {
-    return this.past.length > 0;
-  }
-
-  get canRedo(): boolean {
-    return this.future.length > 0;
-  }
-
-  /** Everything until the next call is one step of undo. */
-  beginStroke(): void {
-    this.past.push(this.weights.slice());
-    if (this.past.length > MOST_STEPS) this.past.shift();
-    this.future = [];
+  constructor(count: number) {
+    this.weights = new Float32Array(count);
   }
 
   /** Adds to a vertex at a relative distance from the middle of the brush, 0 to 1; below zero it takes away. */
@@ -29,27 +12,9 @@ export class PaintedMask {
   }
 
   change(how: (weight: number) => number): void {
-    this.beginStroke();
     for (let i = 0; i < this.weights.length; i++) this.weights[i] = clamp(how(this.weights[i]));
   }
-
-  undo(): void {
-    this.step(this.past, this.future);
-  }
-
-  redo(): void {
-    this.step(this.future, this.past);
-  }
-
-  private step(from: Float32Array[], to: Float32Array[]): void {
-    const state = from.pop();
-    if (!state) return;
-    to.push(this.weights.slice());
-    this.weights.set(state);
-  }
 }
-
-const MOST_STEPS = 50;
 
 /** 1 in the middle of the brush, 0 at its rim, with a soft edge at both. */
 export function falloff(distance: number): number {

@@ -3,50 +3,62 @@ import { api, describeError, RequestError } from '../protocol/client.ts';
 import { floats } from '../protocol/container.ts';
 import type { Mask, Side } from '../protocol/types.ts';
 import { h } from '../ui/dom.ts';
-import { notify } from '../ui/notices.ts';
-import { computed, effect, flush, signal } from '../ui/signal.ts';
+import { notify, settle } from '../ui/notices.ts';
+import { computed, effect, type Signal, signal } from '../ui/signal.ts';
 import type { Pane } from '../views/pane.ts';
 import type { PaneTool } from '../views/pointer.ts';
 import type { Stage } from '../views/stage.ts';
-import { PaintedMask } from './mask.ts';
-
-export type PaintKind = 'weights' | 'components';
+import type { Draft, PaintKind } from './draft.ts';
 
 /** The brush, the mask below it, and the components that are chosen by click. */
 export class Painter implements PaneTool {
-  readonly kind = signal<PaintKind>('weights');
-  readonly side = signal<Side>('target');
+  readonly kind: Signal<PaintKind>;
+  readonly side: Signal<Side>;
   readonly radius = signal(0.06);
   readonly strength = signal(0.5);
   readonly erases = signal(false);
-  readonly components = signal<ReadonlySet<string>>(new Set());
+  /** The names of the components that are chosen. */
+  readonly components: { readonly value: ReadonlySet<string> };
   readonly masks = signal<Mask[]>([]);
   /** Whether something was painted that is not saved. */
-  readonly unsaved = signal(false);
+  readonly unsaved: { readonly value: boolean };
   /** The file that holds what is painted, or held it before the last strokes. */
-  readonly saved = signal<Mask | null>(null);
+  readonly saved: { readonly value: Mask | null };
   /** Whether the pipeline can take a mask: its poses are shapes. */
   readonly takesMasks: { readonly value: boolean };
   private readonly studio: Studio;
   private readonly stage: Stage;
   private readonly ring = h('div', { class: 'brush-ring' });
-  private mask = new PaintedMask(0);
 
   constructor(studio: Studio, stage: Stage) {
     this.studio = studio;
     this.stage = stage;
+    const { painting } = studio;
+    this.kind = painting.kind;
+    this.side = painting.side;
+    const inDraft = <T>(read: (draft: Draft) => T) =>
+      computed(() => {
+        void painting.version.value;
+        return read(painting.draft());
+      });
+    this.components = inDraft((draft) => draft.components);
+    this.unsaved = inDraft((draft) => !draft.isSaved(this.kind.value));
+    this.saved = inDraft((draft) => draft.file(this.kind.value));
     this.takesMasks = computed(() => studio.session.value?.poses?.are === 'shapes');
     effect(() => {
       const on = studio.panel.value === 'paint';
       stage.tool.value = on ? this : stage.markerTool;
       if (on) void this.list();
-      this.show(on);
+      else this.ring.remove();
     });
-    effect(() => {
-      void [this.side.value, studio.meshes.value];
-      this.clear();
-    });
+    effect(() => this.showWeights());
     effect(() => this.showComponents());
+    studio.history.onStroke = () => {
+      studio.panel.value = 'paint';
+    };
+    window.addEventListener('beforeunload', (event) => {
+      if (painting.hasUnsaved) event.preventDefault();
+    });
   }
 
   hover(pane: Pane, x: number, y: number): void {
@@ -61,7 +73,7 @@ export class Painter implements PaneTool {
 
   begins(pane: Pane, x: number, y: number): boolean {
     if (pane.side !== this.side.peek() || this.kind.peek() !== 'weights' || !pane.pick(x, y)) return false;
-    this.mask.beginStroke();
+    this.studio.painting.begin(this.erases.peek() ? 'the stroke that erased' : 'the stroke');
     this.drag(pane, x, y);
     return true;
   }
@@ -70,69 +82,54 @@ export class Painter implements PaneTool {
     this.moveRing(pane, x, y);
     const hit = pane.pick(x, y);
     if (!hit || !pane.picker) return;
+    const { painting } = this.studio;
+    const { mask } = painting.draft();
     const strength = this.strength.peek() * (this.erases.peek() ? -1 : 1);
-    pane.picker.verticesNear(hit.point, this.radius.peek(), (vertex, distance) =>
-      this.mask.dab(vertex, distance, strength),
-    );
-    this.changed();
+    pane.picker.verticesNear(hit.point, this.radius.peek(), (vertex, distance) => mask.dab(vertex, distance, strength));
+    painting.changed();
   }
 
   release(): void {}
 
   cancel(): void {
-    this.mask.undo();
-    this.changed();
+    this.studio.painting.cancel();
   }
 
   click(pane: Pane, x: number, y: number): void {
     const hit = pane.side === this.side.peek() && this.kind.peek() === 'components' ? pane.pick(x, y) : null;
     if (!hit || !pane.surface) return;
     const name = this.names()[pane.surface.components[hit.triangle]];
-    const chosen = new Set(this.components.peek());
+    const { painting } = this.studio;
+    painting.begin(`the choice of ${name}`);
+    const chosen = new Set(this.components.value);
     if (!chosen.delete(name)) chosen.add(name);
-    this.components.value = chosen;
-    this.unsaved.value = true;
+    painting.draft().components = chosen;
+    painting.changed();
   }
 
   /** Fills, empties or inverts the whole mask. */
-  change(how: (weight: number) => number): void {
-    this.mask.change(how);
-    this.changed();
-  }
-
-  clear(): void {
-    this.mask = new PaintedMask(this.vertexCount());
-    this.components.value = new Set();
-    this.unsaved.value = false;
-    this.saved.value = null;
-    this.show(this.studio.panel.peek() === 'paint');
-  }
-
-  /** Takes back a stroke of the brush, or makes it again, and says so. */
-  step(redo: boolean): void {
-    const can = redo ? this.mask.canRedo : this.mask.canUndo;
-    if (can) {
-      if (redo) this.mask.redo();
-      else this.mask.undo();
-      this.changed();
-    }
-    const done = redo ? 'Painted the stroke again.' : 'Undid a stroke of the brush.';
-    const nothing = redo ? 'There is no stroke to paint again.' : 'There is no stroke to undo.';
-    notify(can ? done : nothing, null, 'info', 'undo');
+  change(title: string, how: (weight: number) => number): void {
+    const { painting } = this.studio;
+    painting.begin(title);
+    painting.draft().mask.change(how);
+    painting.changed();
   }
 
   /** Saves what is painted. Whether a file of that name is there that is another mask than this one, so that a person must be asked. */
   async save(name: string, replace = false): Promise<boolean> {
     const [side, kind] = [this.side.peek(), this.kind.peek()];
-    const is = this.saved.peek();
-    const isSame = is !== null && is.name === name && is.side === side && is.kind === kind;
+    const { painting } = this.studio;
+    const draft = painting.draftOn(side);
+    const state = draft.state(kind);
+    const isSame = draft.file(kind)?.name === name;
     try {
       const mask =
-        kind === 'weights'
-          ? await api.saveMask(side, name, { weights: this.mask.weights }, replace || isSame)
-          : await api.saveComponents(side, name, [...this.components.peek()], replace || isSame);
-      this.unsaved.value = false;
-      this.saved.value = mask;
+        state instanceof Float32Array
+          ? await api.saveMask(side, name, { weights: state }, replace || isSame)
+          : await api.saveComponents(side, name, [...state], replace || isSame);
+      draft.markSaved(mask, state);
+      painting.changed();
+      settle('paint');
       notify(`Saved ${mask.file}.`);
       await this.list();
       return false;
@@ -144,24 +141,27 @@ export class Painter implements PaneTool {
     }
   }
 
+  /** Shows a saved mask; what was painted before comes back by undo. */
   async load(mask: Mask): Promise<void> {
     await this.report(async () => {
       const weights = floats((await api.mask(mask.side, mask.name)).arrays, 'weights');
+      const { painting } = this.studio;
       this.side.value = mask.side;
       this.kind.value = mask.kind;
-      // A change of side clears what was painted; that must be over before the mask is shown.
-      flush();
-      this.mask = new PaintedMask(weights.length, weights);
-      if (mask.kind === 'components') this.components.value = this.componentsIn(weights);
-      this.saved.value = mask;
-      this.unsaved.value = false;
-      this.show(true);
+      const draft = painting.draftOn(mask.side);
+      const state = mask.kind === 'components' ? this.componentsIn(weights) : weights.slice();
+      painting.begin(`the opening of ${mask.name}`);
+      draft.restore(state);
+      draft.markSaved(mask, state);
+      painting.changed();
     });
   }
 
   async remove(mask: Mask): Promise<void> {
     await this.report(async () => {
       this.masks.value = (await api.deleteMask(mask.side, mask.name)).masks;
+      this.studio.painting.draftOn(mask.side).forget(mask);
+      this.studio.painting.changed();
     });
   }
 
@@ -174,9 +174,10 @@ export class Painter implements PaneTool {
   private async report(work: () => Promise<void>): Promise<void> {
     try {
       await work();
+      settle('paint');
     } catch (error) {
       const { message, hint } = describeError(error);
-      notify(message, hint, 'error');
+      notify(message, hint, 'error', 'paint');
     }
   }
 
@@ -194,22 +195,11 @@ export class Painter implements PaneTool {
     return (this.studio.session.peek()?.[this.side.peek()]?.components ?? []).map((component) => component.name);
   }
 
-  private vertexCount(): number {
-    return (this.studio.meshes.peek()?.[this.side.peek()].positions.length ?? 0) / 3;
-  }
-
-  private changed(): void {
-    this.unsaved.value = true;
-    this.show(true);
-  }
-
-  private show(on: boolean): void {
-    const weights = on && this.kind.value === 'weights';
-    this.stage.painted.value = weights ? { side: this.side.peek(), values: this.mask.weights } : null;
-    if (!on) {
-      this.ring.remove();
-      this.stage.tinted.value = null;
-    }
+  private showWeights(): void {
+    const { painting, panel } = this.studio;
+    void painting.version.value;
+    const on = panel.value === 'paint' && this.kind.value === 'weights';
+    this.stage.painted.value = on ? { side: this.side.value, values: painting.draft().mask.weights } : null;
   }
 
   private showComponents(hovered: number | null = null): void {

@@ -1,12 +1,14 @@
 import type { Studio } from '../app/studio.ts';
+import { chooseShapes, hasShapes } from '../live/clips.ts';
 import type { Mask, Side } from '../protocol/types.ts';
 import { button, select } from '../ui/controls.ts';
 import { openDialog } from '../ui/dialog.ts';
 import { fill, h, uniqueId } from '../ui/dom.ts';
 import { icon } from '../ui/icons.ts';
 import { effect, type Signal } from '../ui/signal.ts';
+import type { PaintKind } from './draft.ts';
 import { maskNameProblem, USUAL_NAMES } from './mask.ts';
-import type { Painter, PaintKind } from './painter.ts';
+import type { Painter } from './painter.ts';
 import { useOf } from './use.ts';
 
 /** Painting of weights and choice of components, and what is saved. */
@@ -42,9 +44,9 @@ export function paintPanel(studio: Studio, painter: Painter): HTMLElement {
     h(
       'div',
       { class: 'row' },
-      button({ label: 'Fill', run: () => painter.change(() => 1) }),
-      button({ label: 'Empty', run: () => painter.change(() => 0) }),
-      button({ label: 'Invert', run: () => painter.change((weight) => 1 - weight) }),
+      button({ label: 'Fill', run: () => painter.change('the filling', () => 1) }),
+      button({ label: 'Empty', run: () => painter.change('the emptying', () => 0) }),
+      button({ label: 'Invert', run: () => painter.change('the inversion', (weight) => 1 - weight) }),
     ),
   );
   const components = h('section', { class: 'block', 'aria-label': 'Chosen components' });
@@ -69,7 +71,7 @@ export function paintPanel(studio: Studio, painter: Painter): HTMLElement {
     'div',
     { class: 'panel-page paint' },
     whatToPaint(studio, painter),
-    maskNote(painter),
+    maskNote(studio, painter),
     brush,
     components,
     saving(studio, painter),
@@ -106,16 +108,21 @@ function whatToPaint(studio: Studio, painter: Painter): HTMLElement {
   );
 }
 
-/** Masks that no pipeline can use are announced before somebody paints one. */
-function maskNote(painter: Painter): HTMLElement {
-  const element = h(
-    'p',
-    { class: 'doubt block mask-note', role: 'status' },
-    'The poses of this source are frames of a clip, and masks are for shapes alone. ',
-    'You can paint and save a mask, but this pipeline cannot use it.',
-  );
+/** Masks that no pipeline can use are announced before somebody paints one, with the way out. */
+function maskNote(studio: Studio, painter: Painter): HTMLElement {
+  const element = h('div', { class: 'doubt block mask-note', role: 'status' });
   effect(() => {
     element.hidden = painter.kind.value !== 'weights' || painter.takesMasks.value;
+    if (element.hidden) return;
+    const clip = studio.session.value?.poses?.list.length ? 'Now a clip is played.' : 'This source has no poses.';
+    fill(
+      element,
+      h('p', {}, `A pipeline uses masks only for shapes. ${clip}`),
+      hasShapes(studio)
+        ? h('p', {}, 'Choose “Shapes” beside the timeline before you use a mask. What is painted stays.')
+        : h('p', {}, 'Open a source that has shapes to use a mask. You can paint and save one now.'),
+      hasShapes(studio) ? button({ label: 'Choose Shapes', run: () => chooseShapes(studio) }) : null,
+    );
   });
   return element;
 }
@@ -156,8 +163,7 @@ function saving(studio: Studio, painter: Painter): HTMLElement {
   const name = h('input', { id, type: 'text', spellcheck: 'false', maxlength: 60 });
   const state = h('span', { class: 'muted' });
   const use = h('div', { class: 'use' });
-  /** The file of what is painted, if it is of the kind that is chosen. */
-  const present = () => (painter.saved.value?.kind === painter.kind.value ? painter.saved.value : null);
+  const present = () => painter.saved.value;
   effect(() => {
     state.textContent = painter.unsaved.value ? 'not saved yet' : present() ? 'saved' : '';
   });

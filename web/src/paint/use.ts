@@ -41,13 +41,12 @@ function useComponents(studio: Studio, painter: Painter): HTMLElement[] {
       button({
         label: 'Use in the pipeline',
         run: () =>
-          void put(studio, rigidSetting(studio.pipeline.pipeline.peek()?.value, [...painter.components.peek()])),
+          void put(studio, rigidSetting(studio.pipeline.pipeline.peek()?.value, [...painter.components.value])),
       }),
     ),
   ];
 }
 
 async function put(studio: Studio, { path, value, says }: Setting): Promise<void> {
-  await studio.pipeline.set(path, value);
-  notify(says, 'Ctrl Z takes it back; Stages shows it.', 'info', 'paint');
+  if (await studio.pipeline.set(path, value)) notify(says, 'Ctrl Z takes it back; Stages shows it.', 'info', 'paint');
 }

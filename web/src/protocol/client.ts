@@ -1,3 +1,4 @@
+import { readableIn } from '../ui/words.ts';
 import { type Arrays, type Container, readContainer, writeContainer } from './container.ts';
 import type {
   About,
@@ -173,9 +174,10 @@ export function describeError(error: unknown): Failure {
   return { message, hint: null, diagnostics: [] };
 }
 
-/** The server's messages have no capital and no full stop. */
+/** The server's messages have no capital and no full stop, and some words of the command line. */
 export function sentence(text: string): string {
   // Names of files and settings keep their case.
-  const start = /^[a-z]+[ ,:]/.test(text) ? text.charAt(0).toUpperCase() + text.slice(1) : text;
+  const words = readableIn(text);
+  const start = /^[a-z]+[ ,:]/.test(words) ? words.charAt(0).toUpperCase() + words.slice(1) : words;
   return /[.!?…]$/.test(start) ? start : `${start}.`;
 }

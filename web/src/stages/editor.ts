@@ -2,7 +2,7 @@ import type { Studio } from '../app/studio.ts';
 import type { Diagnostic } from '../protocol/types.ts';
 import { fill, h } from '../ui/dom.ts';
 import { icon } from '../ui/icons.ts';
-import { splitCommands } from '../ui/prose.ts';
+import { inline, splitCommands } from '../ui/prose.ts';
 import { effect } from '../ui/signal.ts';
 
 const SAVE_AFTER_MILLISECONDS = 500;
@@ -101,8 +101,8 @@ function faultButton(text: HTMLTextAreaElement, fault: Diagnostic): HTMLElement 
       'span',
       {},
       fault.line === null ? '' : `Line ${fault.line}: `,
-      fault.message,
-      fault.hint && splitCommands(fault.hint).page ? ` – ${splitCommands(fault.hint).page}` : null,
+      ...inline(fault.message),
+      ...(fault.hint && splitCommands(fault.hint).page ? [' – ', ...inline(splitCommands(fault.hint).page)] : []),
     ),
   );
 }

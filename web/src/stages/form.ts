@@ -2,7 +2,7 @@ import type { Diagnostic, Step } from '../protocol/types.ts';
 import { button } from '../ui/controls.ts';
 import { h, uniqueId } from '../ui/dom.ts';
 import { icon } from '../ui/icons.ts';
-import { prose, splitCommands } from '../ui/prose.ts';
+import { inline, prose, splitCommands } from '../ui/prose.ts';
 import { control } from './fields.ts';
 import type { FormHost } from './host.ts';
 import {
@@ -238,7 +238,12 @@ function faultsAt(diagnostics: readonly Diagnostic[], path: Step[]): HTMLElement
       (one) => one.path?.length === path.length || typeof one.path?.at(-1) === 'number' || one.path?.at(-1) === 'type',
     )
     .map((one) =>
-      h('p', { class: one.level === 'error' ? 'problem' : 'doubt', role: 'alert' }, one.message, hintOf(one)),
+      h(
+        'p',
+        { class: one.level === 'error' ? 'problem' : 'doubt', role: 'alert' },
+        ...inline(one.message),
+        ...inline(hintOf(one) ?? ''),
+      ),
     );
 }
 

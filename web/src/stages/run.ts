@@ -4,9 +4,10 @@ import type { Job, RunResult, Worst } from '../protocol/types.ts';
 import { button, progressBar } from '../ui/controls.ts';
 import { fill, h } from '../ui/dom.ts';
 import { icon } from '../ui/icons.ts';
-import { prose, splitCommands } from '../ui/prose.ts';
+import { inline, prose, splitCommands } from '../ui/prose.ts';
 import { effect } from '../ui/signal.ts';
 import { verdict } from '../ui/verdict.ts';
+import { listed as listNames, readableIn } from '../ui/words.ts';
 
 /** The job that is under way, if any. */
 export function runningJob(studio: Studio): Job | null {
@@ -16,7 +17,6 @@ export function runningJob(studio: Studio): Job | null {
 /** The button in the bar: it runs, and shows how far a run is. */
 export function runControl(studio: Studio): HTMLElement {
   const run = button({ label: 'Run', kind: 'primary', icon: 'play', run: () => void studio.run() });
-  run.title = 'Runs the whole pipeline and writes its files';
   const text = h('span', { class: 'job-text' });
   const job = h(
     'div',
@@ -39,10 +39,22 @@ export function runControl(studio: Studio): HTMLElement {
     const running = runningJob(studio);
     run.hidden = running !== null;
     run.disabled = studio.session.value?.project === null;
+    run.title = whatRunDoes(studio);
     job.hidden = running === null;
     if (running) text.textContent = describe(running);
   });
   return h('div', { class: 'run-control' }, run, job);
+}
+
+/** What a run will do, for the tooltip of its button. */
+export function whatRunDoes(studio: Studio): string {
+  const [mistake] = studio.pipeline.mistakes.value;
+  if (mistake) {
+    const line = mistake.line === null ? '' : `Line ${mistake.line}: `;
+    return `A run would stop at a mistake in the pipeline. ${line}${sentence(mistake.message)} Stages shows it.`;
+  }
+  const outputs = studio.pipeline.pipeline.value?.outputs ?? [];
+  return `Runs the whole pipeline and writes ${outputs.length > 0 ? listNames(outputs) : 'its files'}.`;
 }
 
 function shareOf(job: Job | null): number | null {
@@ -52,7 +64,7 @@ function shareOf(job: Job | null): number | null {
 }
 
 function describe(job: Job): string {
-  const what = job.stage ?? (job.kind === 'run' ? 'running' : 'finding points');
+  const what = job.stage ?? (job.kind === 'run' ? 'running' : 'finding pairs');
   const poses = job.poses && job.poses.done > 0 ? ` · ${job.poses.done} of ${job.poses.count}` : '';
   const left = job.seconds_left === null ? '' : ` · ${Math.ceil(job.seconds_left)} s left`;
   return `${what}${poses}${left}`;
@@ -72,7 +84,7 @@ export function runReport(studio: Studio, show: (worst: Worst) => void): HTMLEle
   effect(() => {
     const job = last();
     old.hidden = job === null || job.state === 'running' || !studio.runs.isOutdated(job);
-    old.textContent = old.hidden ? '' : 'Out of date: points or settings have changed since this run. Run again.';
+    old.textContent = old.hidden ? '' : 'Out of date: pairs or settings have changed since this run. Run again.';
   });
   return element;
 }
@@ -81,9 +93,9 @@ function reportOf(job: Job, show: (worst: Worst) => void): Node[] {
   if (job.state === 'cancelled') return [h('p', {}, 'Cancelled. Nothing was written.')];
   if (job.state === 'failed') {
     return [
-      h('p', { class: 'problem' }, sentence(job.error?.message ?? 'it failed')),
+      h('p', { class: 'problem' }, ...inline(sentence(job.error?.message ?? 'it failed'))),
       ...(job.error?.hint ? prose(splitCommands(sentence(job.error.hint)).page) : []),
-      ...(job.error?.diagnostics ?? []).map((entry) => h('p', { class: 'problem' }, entry.message)),
+      ...(job.error?.diagnostics ?? []).map((entry) => h('p', { class: 'problem' }, ...inline(entry.message))),
     ];
   }
   return job.result
@@ -99,7 +111,9 @@ function verdictOf(result: RunResult, seconds: number): Node[] {
 /** The sentences of the report: the whole in a few words, what is wrong, and what to do next. */
 function summaryOf(result: RunResult, show: (worst: Worst) => void): Node[] {
   const { summary, worst, written } = result;
-  const steps = summary.next_steps.map(splitCommands);
+  const steps = summary.next_steps
+    .map(splitCommands)
+    .map(({ page, commands }) => ({ page: readableIn(page), commands }));
   const commands = steps.map((step) => step.commands).filter(Boolean);
   const report = written.find((file) => file.name.endsWith('.html'));
   const faults = summary.faults.map(({ metric, sentence: text }) => {
@@ -107,8 +121,8 @@ function summaryOf(result: RunResult, show: (worst: Worst) => void): Node[] {
     return h(
       'li',
       {},
-      first?.words === text ? null : h('p', {}, sentence(text)),
-      first ? button({ label: first.words, icon: 'eye', run: () => show(first) }) : null,
+      first?.words === text ? null : h('p', {}, ...inline(sentence(text))),
+      first ? button({ label: readableIn(first.words), icon: 'eye', run: () => show(first) }) : null,
     );
   });
   return [

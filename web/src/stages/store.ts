@@ -1,7 +1,7 @@
 import { api, describeError, RequestError } from '../protocol/client.ts';
 import type { Pipeline, Step } from '../protocol/types.ts';
 import { notify, settle } from '../ui/notices.ts';
-import { signal } from '../ui/signal.ts';
+import { computed, signal } from '../ui/signal.ts';
 
 /** Of notices. */
 const TOPIC = 'pipeline';
@@ -15,7 +15,9 @@ export class PipelineStore {
   readonly saving = signal(false);
   /** What another page or program wrote while this page had a change of its own. */
   readonly conflict = signal<Pipeline | null>(null);
-  private chain: Promise<void> = Promise.resolve();
+  /** What is wrong in the text, as far as is known. */
+  readonly mistakes = computed(() => (this.pipeline.value?.diagnostics ?? []).filter((one) => one.level === 'error'));
+  private chain: Promise<unknown> = Promise.resolve();
   private asking: ReturnType<typeof setTimeout> | undefined;
 
   /** The pipeline of another project, or of a server that was started anew: its revisions are not those from before. */
@@ -40,43 +42,47 @@ export class PipelineStore {
     clearTimeout(this.asking);
     this.asking = setTimeout(() => {
       // Without an answer the connection is lost, and all is fetched anew when it is back.
-      api.pipeline().then((pipeline) => this.receive(pipeline), () => {});
+      api.pipeline().then(
+        (pipeline) => this.receive(pipeline),
+        () => {},
+      );
     }, PATIENCE);
   }
 
-  set(path: Step[], value: unknown): Promise<void> {
+  /** Sets a value; whether it was done. */
+  set(path: Step[], value: unknown): Promise<boolean> {
     return this.change((base) => api.setValue(base, path, value));
   }
 
-  unset(path: Step[]): Promise<void> {
+  unset(path: Step[]): Promise<boolean> {
     return this.change((base) => api.unsetValue(base, path));
   }
 
   /** Takes back the last change of the pipeline, or does one again; whether it was done. */
-  async step(redo: boolean): Promise<boolean> {
-    const before = this.pipeline.peek()?.revision;
-    await this.change((base) => (redo ? api.redoPipeline(base) : api.undoPipeline(base)));
-    return this.pipeline.peek()?.revision !== before;
+  step(redo: boolean): Promise<boolean> {
+    return this.change((base) => (redo ? api.redoPipeline(base) : api.undoPipeline(base)));
   }
 
   /** Resolves when the server has every change. */
-  settled(): Promise<void> {
+  settled(): Promise<unknown> {
     return this.chain;
   }
 
-  setText(base: number, text: string): Promise<void> {
+  setText(base: number, text: string): Promise<boolean> {
     return this.change(() => api.putPipeline(base, text));
   }
 
-  private change(send: (base: number) => Promise<Pipeline>): Promise<void> {
+  private change(send: (base: number) => Promise<Pipeline>): Promise<boolean> {
     this.saving.value = true;
     const step = this.chain.then(async () => {
       try {
         this.receive(await send(this.pipeline.peek()?.revision ?? 0));
         this.conflict.value = null;
         settle(TOPIC);
+        return true;
       } catch (error) {
         this.failed(error);
+        return false;
       }
     });
     this.chain = step;

@@ -98,8 +98,15 @@ function entryButton(entry: FolderEntry, run: () => void): HTMLElement {
     { type: 'button', class: `entry ${entry.kind}`, onclick: run, disabled: !usable },
     icon(entry.kind === 'folder' ? 'folder' : entry.kind === 'pipeline' ? 'list' : 'file'),
     h('span', { class: 'entry-name' }, entry.name),
-    h('span', { class: 'entry-kind' }, entry.kind === 'folder' ? '' : `${KINDS[entry.kind]} · ${bytes(entry.bytes)}`),
+    h('span', { class: 'entry-kind' }, entry.kind === 'folder' ? '' : `${kindOf(entry)} · ${bytes(entry.bytes)}`),
   );
 }
 
-const KINDS = { folder: 'folder', mesh: 'mesh', pipeline: 'pipeline', markers: 'markers', other: 'file' };
+const KINDS = { folder: 'folder', mesh: 'mesh', pipeline: 'pipeline', markers: 'pairs', other: 'file' };
+
+/** What a file is, for people. The server takes any JSON for pairs. */
+export function kindOf({ kind, name }: Pick<FolderEntry, 'kind' | 'name'>): string {
+  if (kind !== 'markers') return KINDS[kind];
+  if (/\.mask\.json$/i.test(name)) return 'mask';
+  return /^run\.json$/i.test(name) ? 'report of a run' : KINDS.markers;
+}

@@ -3,7 +3,7 @@ import type { OpenRequest, Side } from '../protocol/types.ts';
 import { button } from '../ui/controls.ts';
 import { h } from '../ui/dom.ts';
 import { icon } from '../ui/icons.ts';
-import { noticeLine } from '../ui/notices.ts';
+import { noticeLine } from '../ui/noticeline.ts';
 import { effect, signal } from '../ui/signal.ts';
 import { fileBrowser } from './browser.ts';
 import { type FileChoice, fileName } from './choice.ts';
@@ -143,8 +143,12 @@ function recent(studio: Studio): HTMLElement {
 }
 
 function resume(studio: Studio): HTMLElement | null {
-  if (studio.session.peek()?.project === null || !studio.meshes.peek()) return null;
-  return button({ label: `Back to ${studio.session.peek()?.name ?? 'the project'}`, run: () => void studio.load() });
+  if (!studio.canLeaveChoice()) return null;
+  return button({
+    label: `Back to ${studio.session.peek()?.name ?? 'the project'}`,
+    keys: 'Esc',
+    run: () => void studio.load(),
+  });
 }
 
 function titleOf(what: OpenRequest): string {

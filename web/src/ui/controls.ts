@@ -4,6 +4,8 @@ import { effect } from './signal.ts';
 
 interface ButtonOptions {
   label: string;
+  /** The tooltip, where the label does not say enough. */
+  title?: string;
   /** The key that does the same, for the tooltip. */
   keys?: string;
   icon?: IconName;
@@ -16,13 +18,13 @@ interface ButtonOptions {
 }
 
 export function button(options: ButtonOptions): HTMLButtonElement {
-  const title = options.keys ? `${options.label} (${options.keys})` : options.label;
+  const title = options.title ?? (options.keys ? `${options.label} (${options.keys})` : options.label);
   const element = h(
     'button',
     {
       type: 'button',
       class: `button ${options.kind ?? 'plain'}${options.bare ? ' bare' : ''}`,
-      title: options.bare || options.keys ? title : null,
+      title: options.title || options.bare || options.keys ? title : null,
       'aria-label': options.bare ? options.label : null,
       onclick: options.run,
     },
@@ -90,4 +92,18 @@ export function progressBar(label: string, share: () => number | null): HTMLElem
     bar.style.transform = value === null ? '' : `scaleX(${value})`;
   });
   return element;
+}
+
+/** A list that was chosen from by mouse gives the focus back, so that the keys of the page work again; by keyboard it keeps it. */
+export function releaseLists(page: Document): void {
+  let byMouse: EventTarget | null = null;
+  page.addEventListener('pointerdown', ({ target }) => {
+    byMouse = target;
+  });
+  page.addEventListener('keydown', () => {
+    byMouse = null;
+  });
+  page.addEventListener('change', ({ target }) => {
+    if (target instanceof HTMLSelectElement && target === byMouse) target.blur();
+  });
 }

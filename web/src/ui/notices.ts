@@ -1,23 +1,27 @@
-import { button } from './controls.ts';
-import { fill, h, uniqueId } from './dom.ts';
-import { icon } from './icons.ts';
 import { splitCommands } from './prose.ts';
-import { effect, signal } from './signal.ts';
+import { signal } from './signal.ts';
 
 type Level = 'info' | 'error';
 
-interface Notice {
+export interface Notice {
   id: number;
   level: Level;
   text: string;
   hint: string | null;
   /** What it is about: a newer notice of the same topic takes its place, and it goes when the matter is settled. */
   topic: string | null;
+  at: Date;
 }
 
 const INFO_MILLISECONDS = 6000;
 const MOST = 20;
-const notices = signal<Notice[]>([]);
+const MOST_EARLIER = 50;
+/** What holds at present, the newest last. */
+export const notices = signal<Notice[]>([]);
+/** What was said before, the newest last. */
+export const earlier = signal<Notice[]>([]);
+/** Those that nobody can have read in full, or that somebody is reading: they stay until they are closed. */
+const kept = new Set<number>();
 let count = 0;
 
 /** Reports something in the line of messages; errors stay until they are settled or dismissed. */
@@ -28,71 +32,52 @@ export function notify(
   topic: string | null = null,
 ): void {
   count += 1;
+  const id = count;
   // The page can do itself what commands would.
-  const notice = { id: count, level, text, hint: hint && (splitCommands(hint).page || null), topic };
-  const others = notices.peek().filter((other) => other.text !== text && (topic === null || other.topic !== topic));
-  notices.value = [...others, notice].slice(-MOST);
-  if (level === 'info') window.setTimeout(() => dismiss(notice.id), INFO_MILLISECONDS);
+  const notice = { id, level, text, hint: hint && (splitCommands(hint).page || null), topic, at: new Date() };
+  drop((other) => other.text === text || (topic !== null && other.topic === topic));
+  const all = [...notices.peek(), notice];
+  notices.value = all.slice(-MOST);
+  putAway(all.slice(0, -MOST));
+  if (level === 'info') window.setTimeout(() => kept.has(id) || dismiss(id), INFO_MILLISECONDS);
+}
+
+/** The notice stays until it is closed. */
+export function keep({ id }: Notice): void {
+  kept.add(id);
 }
 
 /** What was wrong about a topic is so no more. */
 export function settle(topic: string): void {
-  const left = notices.peek().filter((notice) => notice.topic !== topic);
-  if (left.length < notices.peek().length) notices.value = left;
+  drop((notice) => notice.topic === topic);
+}
+
+/** What failed before may do now; what was done stays done. */
+export function settleErrors(topics: readonly string[]): void {
+  drop((notice) => notice.level === 'error' && topics.includes(notice.topic ?? ''));
 }
 
 /** Nothing that was said holds any more. */
 export function clearNotices(): void {
-  notices.value = [];
+  drop(() => true);
 }
 
-function dismiss(id: number): void {
-  notices.value = notices.peek().filter((notice) => notice.id !== id);
+export function dismiss(id: number): void {
+  drop((notice) => notice.id === id);
 }
 
-/**
- * The line of messages, beside the views and never over them, so that a click cannot miss one and hit a mesh. It shows the newest; a click
- * shows all of them in full.
- */
-export function noticeLine(): HTMLElement {
-  const id = uniqueId('messages');
-  const list = h('div', { id, class: 'popover messages', popover: 'auto' });
-  const text = h('span', { class: 'notice-text', role: 'status', 'aria-live': 'polite' });
-  const more = h('button', { type: 'button', class: 'button plain', popovertarget: id });
-  const close = button({
-    label: 'Dismiss',
-    icon: 'close',
-    bare: true,
-    run: () => {
-      const newest = notices.peek().at(-1);
-      if (newest) dismiss(newest.id);
-    },
-  });
-  const element = h('div', { class: 'notice-line' }, text, more, close, list);
-  effect(() => {
-    const newest = notices.value.at(-1);
-    element.dataset.level = newest?.level ?? '';
-    fill(
-      text,
-      newest ? icon(newest.level === 'error' ? 'warning' : 'info') : null,
-      newest ? h('strong', {}, newest.text) : null,
-      newest?.hint ? ` ${newest.hint}` : null,
-    );
-    text.title = [newest?.text, newest?.hint].filter(Boolean).join(' ');
-    close.hidden = newest === undefined;
-    more.hidden = newest === undefined;
-    more.textContent = notices.value.length > 1 ? `All ${notices.value.length}` : 'Read';
-    fill(list, ...notices.value.map(render).reverse());
-  });
-  return element;
+/** Takes notices out of the line; they can be read again among the earlier ones. */
+function drop(which: (notice: Notice) => boolean): void {
+  const gone = notices.peek().filter(which);
+  if (gone.length === 0) return;
+  notices.value = notices.peek().filter((notice) => !gone.includes(notice));
+  putAway(gone);
 }
 
-function render(notice: Notice): HTMLElement {
-  return h(
-    'div',
-    { class: `notice ${notice.level}` },
-    icon(notice.level === 'error' ? 'warning' : 'info'),
-    h('div', {}, h('p', {}, notice.text), notice.hint ? h('p', { class: 'hint' }, notice.hint) : null),
-    button({ label: 'Dismiss', icon: 'close', bare: true, run: () => dismiss(notice.id) }),
-  );
+function putAway(gone: readonly Notice[]): void {
+  if (gone.length === 0) return;
+  for (const { id } of gone) kept.delete(id);
+  const texts = new Set(gone.map((notice) => notice.text));
+  const others = earlier.peek().filter((notice) => !texts.has(notice.text));
+  earlier.value = [...others, ...gone].slice(-MOST_EARLIER);
 }

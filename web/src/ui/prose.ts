@@ -16,9 +16,12 @@ export function prose(text: string): HTMLElement[] {
     .split(/\n\s*\n/)
     .map((paragraph) => paragraph.replace(/\s*\n\s*/g, ' ').trim())
     .filter((paragraph) => paragraph !== '')
-    .map((paragraph) => h('p', {}, ...paragraph.split(/(`[^`]+`)/).map(inline)));
+    .map((paragraph) => h('p', {}, ...inline(paragraph)));
 }
 
-function inline(piece: string): Node | string {
-  return piece.startsWith('`') && piece.length > 2 ? h('code', {}, piece.slice(1, -1)) : piece;
+/** A text with the code that stands between backticks. */
+export function inline(text: string): (Node | string)[] {
+  return text
+    .split(/(`[^`]+`)/)
+    .map((piece) => (piece.startsWith('`') && piece.length > 2 ? h('code', {}, piece.slice(1, -1)) : piece));
 }

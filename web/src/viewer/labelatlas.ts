@@ -76,10 +76,10 @@ export function halfTag(label: Label): number {
   return Math.max(9, label.text.length * 3.6 + 4.5) + 1;
 }
 
-/** The line takes the colour of the middle. */
+/** The line takes the colour of the middle. The rim stays empty, or it would show as a thin line at the edge of the cells beside it. */
 function drawLine(context: CanvasRenderingContext2D, label: Label): void {
   context.fillStyle = label.colour;
-  context.fillRect(0, 0, CELL_WIDTH, CELL_HEIGHT);
+  context.fillRect(MIDDLE_X - 4, MIDDLE_Y - 4, 8, 8);
 }
 
 function drawDot(context: CanvasRenderingContext2D, label: Label): void {

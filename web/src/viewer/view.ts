@@ -59,13 +59,19 @@ export class View {
     return this.flight !== null;
   }
 
+  /** Where the camera is, or will be when it has flown. */
+  get goal(): Orbit {
+    return this.flight?.to ?? this.orbit;
+  }
+
+  jumpTo(orbit: Orbit): void {
+    this.orbit = cloneOrbit(orbit);
+    this.flight = null;
+  }
+
   flyTo(orbit: Orbit, now: number): void {
-    if (matchMedia('(prefers-reduced-motion: reduce)').matches) {
-      this.orbit = cloneOrbit(orbit);
-      this.flight = null;
-      return;
-    }
-    this.flight = { from: cloneOrbit(this.orbit), to: cloneOrbit(orbit), start: now };
+    if (matchMedia('(prefers-reduced-motion: reduce)').matches) this.jumpTo(orbit);
+    else this.flight = { from: cloneOrbit(this.orbit), to: cloneOrbit(orbit), start: now };
   }
 
   /** The camera stops flying when a person takes it. */

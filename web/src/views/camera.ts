@@ -37,14 +37,21 @@ export class StageCamera implements PaneCamera {
     this.change(pane, (orbit, aspect) => zoom(orbit, factor, deviceX, deviceY, aspect));
   }
 
-  /** Takes all cameras to the side of one; what they look at stays. */
+  /** Turns all cameras to the side of one; what they look at stays. */
   link(pane: Pane): void {
-    const { yaw, pitch, distance } = pane.view.orbit;
-    for (const other of this.panes()) {
-      if (other !== pane)
-        other.view.flyTo({ ...cloneOrbit(other.view.orbit), yaw, pitch, distance }, performance.now());
+    const { yaw, pitch } = pane.view.goal;
+    for (const { view } of this.panes()) {
+      if (view.goal.yaw !== yaw || view.goal.pitch !== pitch)
+        view.flyTo({ ...cloneOrbit(view.goal), yaw, pitch }, performance.now());
     }
     this.viewer.invalidate(true);
+  }
+
+  /** A view that comes looks as another one of its mesh does, or from the same side. */
+  join(pane: Pane, others: readonly Pane[]): void {
+    const alike = others.find((other) => other.side === pane.side);
+    const { yaw, pitch } = (alike ?? others[0]).view.goal;
+    pane.view.jumpTo(alike ? alike.view.goal : { ...pane.view.orbit, yaw, pitch });
   }
 
   /** The whole mesh, from the side that a person looked from, or from another one. */
@@ -98,8 +105,13 @@ export class StageCamera implements PaneCamera {
 
   private change(pane: Pane, apply: (orbit: Orbit, aspect: number, pane: Pane) => void): void {
     const changed = display.linked.peek() ? this.panes() : [pane];
+    const { yaw, pitch } = pane.view.orbit;
     for (const one of changed) {
       one.view.stopFlight();
+      // A flight that was cut short leaves linked views on different sides.
+      const { orbit } = one.view;
+      if (orbit.yaw !== yaw || orbit.pitch !== pitch)
+        turnAbout(orbit, this.pivot(one), orbit.yaw - yaw, pitch - orbit.pitch);
       apply(one.view.orbit, one.view.aspect, one);
     }
     this.viewer.invalidate(true);

@@ -104,11 +104,14 @@ function hint(pane: Pane, studio: Studio): HTMLElement {
     const pair = selected();
     if (studio.panel.value === 'paint') return '';
     if (!pair) return 'Click to begin a pair';
+    if (studio.fresh.value?.pair === pair.id && studio.fresh.value.complete)
+      return `Click to begin the next pair · Drag to move ${pairTitle(pair)}`;
     if (pair[pane.side] === null) return `Click to set ${pairTitle(pair)}`;
     return `Click or drag to move ${pairTitle(pair)} · Esc to let go`;
   });
   effect(() => {
     element.textContent = text.value;
+    element.title = text.value;
   });
   effect(() => {
     element.classList.toggle('wanted', selected()?.[pane.side] === null);

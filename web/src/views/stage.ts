@@ -1,5 +1,6 @@
 import { display } from '../app/display.ts';
-import type { Meshes, Studio } from '../app/studio.ts';
+import type { Meshes } from '../app/meshes.ts';
+import type { Studio } from '../app/studio.ts';
 import { MarkerTool } from '../markers/tool.ts';
 import type { FrameScalar, Point, Session, Side } from '../protocol/types.ts';
 import { h } from '../ui/dom.ts';
@@ -52,6 +53,10 @@ export class Stage {
     this.markerTool = new MarkerTool(studio);
     this.tool.value = this.markerTool;
     effect(() => this.arrange(display.threeViews.value ? ['source', 'rest', 'result'] : ['source', 'result']));
+    effect(() => {
+      const lead = this.activePane();
+      if (display.linked.value && lead) this.camera.link(lead);
+    });
     effect(() => this.showMeshes(this.panes.value, studio.meshes.value, studio.session.peek()));
     effect(() => this.showPositions());
     effect(() => this.showValues());
@@ -88,10 +93,11 @@ export class Stage {
     this.camera.flyTo(places, holds ?? (() => selected !== null && this.studio.selected.peek() === selected));
   }
 
-  /** Flies to a place and points at it for a while. */
-  showPlace(side: Side, point: Point): void {
+  /** Flies to a place and points at it for a while; the other mesh flies to the matching place if that is known. */
+  showPlace(side: Side, point: Point, other: Point | null = null): void {
     const isShown = () => this.place.peek()?.point === point;
-    this.flyToPoints(side === 'source' ? point : null, side === 'target' ? point : null, isShown);
+    const [source, target] = side === 'source' ? [point, other] : [other, point];
+    this.flyToPoints(source, target, isShown);
     window.clearTimeout(this.placeTimer);
     this.place.value = { side, point, strength: 1 };
     const fade = (step: number) => {
@@ -106,7 +112,10 @@ export class Stage {
     for (const pane of this.panes.peek()) if (!shown.includes(pane)) pane.detach();
     for (const pane of shown) pane.attach(this.element);
     this.element.dataset.panes = String(shown.length);
+    const before = this.panes.peek();
     this.panes.value = shown;
+    if (display.linked.peek() && before.length > 0)
+      for (const pane of shown) if (!before.includes(pane)) this.camera.join(pane, before);
     this.viewer.invalidate();
   }
 

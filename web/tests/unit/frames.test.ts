@@ -1,6 +1,6 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { frameAt, ordinal, replaces } from '../../src/live/frames.ts';
+import { frameAt, replaces } from '../../src/live/frames.ts';
 
 const base = { channel: 'preview', look: 5, revision: 3, pipeline: 1, drag: null };
 
@@ -35,17 +35,4 @@ test('a clip is played round and round at its rate', () => {
   assert.equal(frameAt(10 / 24, 24, 10), 0);
   assert.equal(frameAt(-0.01, 24, 10), 9);
   assert.equal(frameAt(3, 24, 0), 0);
-});
-
-test('places in a clip are ordinals', () => {
-  assert.deepEqual([1, 2, 3, 8, 11, 12, 21, 112].map(ordinal), [
-    '1st',
-    '2nd',
-    '3rd',
-    '8th',
-    '11th',
-    '12th',
-    '21st',
-    '112th',
-  ]);
 });

@@ -17,12 +17,19 @@ test('strokes have one spelling', () => {
   assert.equal(press('ArrowLeft', { altKey: true }), 'alt+arrowleft');
 });
 
-test('a text field keeps its keys', () => {
-  const command: Command = { id: 'undo', title: '', group: 'Points', keys: ['mod+z', 'escape'], run: () => {} };
-  assert.equal(commandFor([command], 'mod+z', false), command);
-  assert.equal(commandFor([command], 'mod+z', true), null);
-  assert.equal(commandFor([command], 'escape', true), command);
-  assert.equal(commandFor([command], 'x', false), null);
+test('a text field keeps its keys, and a list those that it is chosen from by', () => {
+  const keys = ['mod+z', 'escape', 'j', ','];
+  const command: Command = { id: 'undo', title: '', group: 'Pairs', keys, run: () => {} };
+  for (const key of keys) assert.equal(commandFor([command], key, 'command'), command);
+  assert.deepEqual(
+    keys.filter((key) => commandFor([command], key, 'write')),
+    ['escape'],
+  );
+  assert.deepEqual(
+    keys.filter((key) => commandFor([command], key, 'choose')),
+    ['mod+z', 'escape', ','],
+  );
+  assert.equal(commandFor([command], 'x', 'command'), null);
 });
 
 test('strokes are shown as people know them', () => {

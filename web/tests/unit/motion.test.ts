@@ -3,9 +3,11 @@ import { test } from 'node:test';
 import { past } from '../../src/app/past.ts';
 import { nearestFrame, playableStep, preparation } from '../../src/live/ahead.ts';
 import { chosenClip, clipSetting } from '../../src/live/clip.ts';
-import { needOf, readable, readableIn } from '../../src/markers/order.ts';
+import { needOf } from '../../src/markers/order.ts';
+import { withoutPartner } from '../../src/markers/partners.ts';
 import { maskSetting, rigidSetting } from '../../src/paint/setting.ts';
 import type { Ahead, Pair } from '../../src/protocol/types.ts';
+import { readable, readableIn } from '../../src/ui/words.ts';
 
 const present = { revision: 4, pipeline: 2, scalar: null };
 const ahead: Ahead = { revision: 4, pipeline: 2, done: 30, count: 30, step: 1, scalar: null, error: null };
@@ -70,14 +72,33 @@ test('names and steps read well', () => {
   assert.equal(readable('place-3'), 'Place, point 3');
   assert.equal(readable('left-1'), 'left-1');
   assert.equal(readable('nose'), 'nose');
-  assert.equal(past('move point 12'), 'moved point 12');
   assert.equal(past('set transfer.type to gradient'), 'set transfer.type to gradient');
   assert.equal(past('changes in the file'), 'changes in the file');
 });
 
-test('messages name points as the list does', () => {
+test('messages name pairs as the list does, and leave keys, files and code', () => {
   assert.equal(readableIn('moved limb2-1'), 'moved Limb 2, point 1');
   assert.equal(past('move limb2-1'), 'moved Limb 2, point 1');
+  assert.equal(
+    readableIn('its mirror image is marker limb3-2 on the source only'),
+    'its mirror image is Limb 3, point 2 on the source only',
+  );
+  assert.equal(readableIn('moved limb6-2 mirrored'), 'moved Limb 6, point 2, mirrored');
+  assert.equal(readable('limb6-2 mirrored 2'), 'Limb 6, point 2, mirrored 2');
+  assert.equal(readable('nose mirrored'), 'nose, mirrored');
+  assert.equal(past('move point 12'), 'moved pair 12');
+  assert.equal(
+    readableIn('Add a marker at marker 28, 3 markers lie there'),
+    'Add a pair at pair 28, 3 pairs lie there',
+  );
+  for (const kept of [
+    'set markers: to a',
+    'read a.markers.yaml',
+    '`marker` is no key',
+    'mimesh-markers',
+    'Limb 2, point 1',
+  ])
+    assert.equal(readableIn(kept), kept);
   assert.equal(readableIn('set output to climb2-1.glb'), 'set output to climb2-1.glb');
 });
 
@@ -86,4 +107,21 @@ test('proposals that read alike are one level of doubt', () => {
     needOf({ source: { vertex: 0 }, target: { vertex: 0 }, status: 'proposed', confidence } as Pair);
   assert.equal(at(0.4985), at(0.5002));
   assert.equal(at(0.4949), 'doubtful');
+});
+
+test('pairs without a partner are named, by the reasons', () => {
+  const names = ['limb1-1', 'nose', null, 'ear', 'eye', 'tail'];
+  const pairs = names.map((name, i) => ({ id: i, number: i + 1, name }) as Pair);
+  const left = pairs.map(({ id }) => ({
+    pair: id,
+    reason: id === 1 ? 'its mirror image is marker limb3-2' : 'proposed',
+  }));
+  assert.equal(
+    withoutPartner(left, (id) => pairs[id]),
+    'Without a partner: Limb 1, point 1, Pair 3, ear and 2 more (proposed); nose (its mirror image is Limb 3, point 2).',
+  );
+  assert.equal(
+    withoutPartner([], () => null),
+    null,
+  );
 });
