@@ -112,10 +112,7 @@ export class Actions {
   }
 
   mirror(): void {
-    openMirrorDialog(this.studio, (id) => {
-      this.studio.selected.value = id;
-      this.flyTo(id);
-    });
+    openMirrorDialog(this.studio);
   }
 
   propose(): void {

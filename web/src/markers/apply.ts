@@ -77,7 +77,9 @@ function reorder(pairs: Pair[], id: number, before: number | null): Pair[] {
 /** The operation with temporary ids replaced by those that the server gave. */
 export function renumberOp(op: Op, ids: ReadonlyMap<number, number>): Op {
   if (!('pair' in op)) return op;
-  const renumbered = { ...op, pair: ids.get(op.pair) ?? op.pair };
+  const { pair } = op;
+  if (pair === undefined) return op;
+  const renumbered = { ...op, pair: ids.get(pair) ?? pair };
   if (renumbered.op === 'reorder' && renumbered.before !== null) {
     renumbered.before = ids.get(renumbered.before) ?? renumbered.before;
   }

@@ -1,43 +1,22 @@
 import type { Studio } from '../app/studio.ts';
-import type { Pair } from '../protocol/types.ts';
 import { button } from '../ui/controls.ts';
 import { openDialog } from '../ui/dialog.ts';
 import { h, uniqueId } from '../ui/dom.ts';
-import { notify } from '../ui/notices.ts';
-import { mirrorOne } from './mirrorone.ts';
 import { pairTitle } from './order.ts';
 
 type Axis = 'x' | 'y' | 'z';
 
 /** Asks for the plane, and adds the partners that are missing beyond it. */
-export function openMirrorDialog(studio: Studio, added: (pair: number) => void): void {
+export function openMirrorDialog(studio: Studio): void {
   let axis: Axis = guessAxis(studio);
   const source = offsetField('Source plane at');
   const target = offsetField('Target plane at');
   const selected = studio.markers.pair(studio.selected.peek());
 
-  /** The server mirrors all pairs or none, so the image of one is a new pair. */
-  function one(pair: Pair): void {
-    const { session, meshes } = studio;
-    const [facts, data] = [session.peek(), meshes.peek()];
+  function mirror(pair?: number): void {
+    const [source_offset, target_offset] = [source.value(), target.value()];
+    studio.markers.edit({ op: 'mirror', axis, pair, source_offset, target_offset });
     dialog.close();
-    if (!facts?.source || !facts.target || !data) return;
-    const result = mirrorOne(pair, studio.markers.pairs.peek(), axis, {
-      source: { mesh: data.source, facts: facts.source, offset: source.value() },
-      target: { mesh: data.target, facts: facts.target, offset: target.value() },
-    });
-    if ('problem' in result) {
-      notify(`${pairTitle(pair)} was not mirrored.`, result.problem, 'info', 'mirror');
-      return;
-    }
-    const [id] = studio.markers.edit(result.op);
-    added(id);
-    notify(
-      `Added the mirror image of ${pairTitle(pair)}.`,
-      'Look whether it lies right on both meshes.',
-      'info',
-      'mirror',
-    );
   }
 
   const dialog = openDialog('Mirror pairs', [
@@ -68,15 +47,12 @@ export function openMirrorDialog(studio: Studio, added: (pair: number) => void):
       'div',
       { class: 'row end' },
       button({ label: 'Cancel', run: () => dialog.close() }),
-      selected ? button({ label: `Only ${pairTitle(selected)}`, run: () => one(selected) }) : null,
+      selected ? button({ label: `Only ${pairTitle(selected)}`, run: () => mirror(selected.id) }) : null,
       button({
         label: selected ? 'All pairs' : 'Mirror',
         kind: 'primary',
         icon: 'mirror',
-        run: () => {
-          studio.markers.edit({ op: 'mirror', axis, source_offset: source.value(), target_offset: target.value() });
-          dialog.close();
-        },
+        run: () => mirror(),
       }),
     ),
   ]);

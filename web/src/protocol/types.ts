@@ -141,7 +141,7 @@ export type Op =
   | { op: 'status'; pair: number; status: Status }
   | { op: 'delete'; pair: number }
   | { op: 'reorder'; pair: number; before: number | null }
-  | { op: 'mirror'; axis: 'x' | 'y' | 'z'; source_offset?: number; target_offset?: number };
+  | { op: 'mirror'; axis: 'x' | 'y' | 'z'; pair?: number; source_offset?: number; target_offset?: number };
 
 export interface Edit {
   project: number;

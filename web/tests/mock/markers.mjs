@@ -100,7 +100,9 @@ export class MarkerDocument {
       markers: this.view(),
       added,
       conflicts,
-      mirrored: ops.some((op) => op.op === 'mirror') ? { added: 0, left: [] } : null,
+      mirrored: ops.some((op) => op.op === 'mirror')
+        ? { added: 0, left: ops.filter((op) => op.pair).map(({ pair }) => ({ pair, reason: 'it lies on the plane' })) }
+        : null,
     };
     this.done.set(id, result);
     return result;

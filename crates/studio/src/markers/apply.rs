@@ -65,8 +65,8 @@ impl MarkerDocument {
             }
             Op::Delete { pair } => self.delete(*pair, context)?,
             Op::Reorder { pair, before } => self.reorder(*pair, *before)?,
-            Op::Mirror { axis, source_offset, target_offset } => {
-                result.mirrored = Some(self.mirror(*axis, [*source_offset, *target_offset], context)?);
+            Op::Mirror { axis, pair, source_offset, target_offset } => {
+                result.mirrored = Some(self.mirror(*axis, *pair, [*source_offset, *target_offset], context)?);
             }
         }
         Ok(())
@@ -160,7 +160,14 @@ impl MarkerDocument {
         Ok(())
     }
 
-    fn mirror(&mut self, axis: Axis, offsets: [Option<f64>; 2], context: &Context<'_>) -> Result<Mirrored, Refusal> {
+    /// Adds partners across a plane: that of `only`, or of all pairs.
+    fn mirror(
+        &mut self,
+        axis: Axis,
+        only: Option<u64>,
+        offsets: [Option<f64>; 2],
+        context: &Context<'_>,
+    ) -> Result<Mirrored, Refusal> {
         if offsets.into_iter().flatten().any(|offset| !offset.is_finite()) {
             return Err("the place of the plane is not finite".into());
         }
@@ -171,30 +178,38 @@ impl MarkerDocument {
             offsets[k].map_or(middle, |offset| Plane { offset, ..middle })
         });
         let done = mirror(&markers, context.meshes, planes).map_err(|failure| failure.to_string())?;
-        let mut mirrored = Mirrored::default();
+        let (mut mirrored, mut added_count) = (Mirrored::default(), 0);
+        let mut left = |pair: u64, reason: &str| mirrored.left.push(Left { pair, reason: reason.into() });
+        if let Some(pair) = only.filter(|pair| used.iter().all(|&i| self.pairs[i].id != *pair)) {
+            left(pair, "it has no point on one of the meshes, or is skipped");
+        }
         for (outcome, &i) in done.outcomes.into_iter().zip(&used) {
             let of = self.pairs[i].clone();
+            if only.is_some_and(|only| only != of.id) {
+                continue;
+            }
             match outcome {
                 // The stage that found it looked for its partner too, whose place is near the image and not on it.
-                Outcome::Added(..) if of.content.status == Status::Proposed => {
-                    let reason = "it is only proposed: confirm it first".into();
-                    mirrored.left.push(Left { pair: of.id, reason });
+                Outcome::Added(..) if only.is_none() && of.content.status == Status::Proposed => {
+                    left(of.id, "it is only proposed: confirm it first");
                 }
                 Outcome::Added(..) if self.pairs.len() >= MAX_PAIRS => {
-                    let reason = format!("there are {MAX_PAIRS} pairs, the most that a document takes");
-                    mirrored.left.push(Left { pair: of.id, reason });
+                    left(of.id, &format!("there are {MAX_PAIRS} pairs, the most that a document takes"));
                 }
                 Outcome::Added(at, _) => {
                     let added = file::content(&done.markers.pairs[at]);
                     let name = self.checked_name(added.name.as_deref(), None).unwrap_or_default();
                     let pair = self.new_pair(Content { name, ..added }, Origin::Mirrored, &context.change);
                     self.pairs.push(pair);
-                    mirrored.added += 1;
+                    added_count += 1;
                 }
-                Outcome::Left(reason) => mirrored.left.push(Left { pair: of.id, reason }),
+                Outcome::Left(reason) => left(of.id, &reason),
+                Outcome::OnPlane if only.is_some() => left(of.id, "it lies on the plane"),
+                Outcome::Partner(_) if only.is_some() => left(of.id, "its partner is there already"),
                 Outcome::OnPlane | Outcome::Partner(_) => {}
             }
         }
+        mirrored.added = added_count;
         Ok(mirrored)
     }
 

@@ -87,6 +87,9 @@ pub enum Op {
     Mirror {
         /// The axis across which the plane lies.
         axis: Axis,
+        /// The pair whose partner is added, also if it is only proposed; all that are confirmed if left out.
+        #[serde(default)]
+        pair: Option<u64>,
         /// Where the plane of the source crosses the axis; its middle if left out.
         #[serde(default)]
         source_offset: Option<f64>,

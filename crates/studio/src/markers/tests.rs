@@ -199,7 +199,7 @@ fn mirroring_adds_partners_once() {
     // A vertex off the plane.
     let off = two.0.positions.iter().position(|p| p.x > 0.5).unwrap() as u32;
     document.edit(&edit(1, "1", "", vec![add("left ear", off)]), two.on()).unwrap();
-    let mirror = || vec![Op::Mirror { axis: Axis::X, source_offset: None, target_offset: Some(0.0) }];
+    let mirror = || vec![Op::Mirror { axis: Axis::X, pair: None, source_offset: None, target_offset: Some(0.0) }];
     let first = document.edit(&edit(document.revision(), "2", "", mirror()), two.on()).unwrap();
     assert_eq!(first.mirrored.map(|mirrored| mirrored.added), Some(1));
     assert_eq!(document.pairs()[1].content.name.as_deref(), Some("right ear"));
@@ -212,6 +212,28 @@ fn mirroring_adds_partners_once() {
     document.edit(&edit(document.revision(), "4", "", status(Status::Proposed)), two.on()).unwrap();
     let mirrored = document.edit(&edit(document.revision(), "5", "", mirror()), two.on()).unwrap().mirrored.unwrap();
     assert_eq!((mirrored.added, mirrored.left.len()), (0, 1));
+}
+
+#[test]
+fn one_pair_is_mirrored_alone() {
+    let two = Two::new();
+    let mut document = MarkerDocument::new([]);
+    let mut off = (0..).zip(&two.0.positions).filter(|(_, p)| p.x > 0.3).map(|(v, _)| v);
+    let [a, b] = [off.next().unwrap(), off.next().unwrap()];
+    document.edit(&edit(1, "1", "", vec![add("left ear", a), add("left eye", b)]), two.on()).unwrap();
+    // Whoever names it stands for it.
+    let status = vec![Op::Status { pair: 2, status: Status::Proposed }];
+    document.edit(&edit(document.revision(), "2", "", status), two.on()).unwrap();
+    let mut mirror = |id: &str, pair| {
+        let op = Op::Mirror { axis: Axis::X, pair: Some(pair), source_offset: None, target_offset: None };
+        document.edit(&edit(document.revision(), id, "", vec![op]), two.on()).unwrap().mirrored.unwrap()
+    };
+    assert_eq!(mirror("3", 2).added, 1);
+    let again = mirror("4", 2);
+    assert_eq!((again.added, again.left[0].reason.as_str()), (0, "its partner is there already"));
+    assert_eq!(mirror("5", 99).left[0].pair, 99);
+    assert_eq!(document.pairs().len(), 3);
+    assert_eq!(document.pairs()[2].content.name.as_deref(), Some("right eye"));
 }
 
 #[test]
