@@ -25,8 +25,10 @@ export function noticeLine(): HTMLElement {
   });
   const element = h('div', { class: 'notice-line' }, text, more, close, list);
   const isOpen = () => list.matches(':popover-open');
-  // What is being read stays.
-  list.addEventListener('toggle', () => isOpen() && notices.peek().forEach(keep));
+  // What is being read stays. The event after the list is shown would come too late for a message that goes now.
+  list.addEventListener('beforetoggle', (event) => {
+    if ((event as ToggleEvent).newState === 'open') notices.peek().forEach(keep);
+  });
   effect(() => {
     const newest = notices.value.at(-1);
     element.dataset.level = newest?.level ?? '';

@@ -223,7 +223,7 @@ impl BoundResult {
             let shape = match self.frames.positions(index) {
                 Some(shape) => container::absolute(&shape, origin),
                 None => {
-                    let shape = self.transferred(&*project.pose(index)?, self.place(project, index))?;
+                    let shape = self.transferred(&project.pose(index)?, self.place(project, index))?;
                     self.frames.put(index, Arc::new(container::relative(&shape, origin)));
                     shape
                 }
