@@ -54,9 +54,15 @@ pub fn print_beside(text: &str) {
 /// Prints as JSON to stdout.
 pub fn print_json(value: &impl Serialize) {
     match serde_json::to_string_pretty(value) {
-        Ok(text) => print(&(text + "\n")),
+        Ok(text) => print(&(escaped(&text) + "\n")),
         Err(error) => keep(Diagnostic::new(Kind::Internal, format!("the result cannot be printed as JSON: {error}"))),
     }
+}
+
+/// JSON whose strings hold no character that steers a terminal; within strings JSON lets some of them stand as they are.
+fn escaped(json: &str) -> String {
+    let shown = |c: char| if c.is_control() && c != '\n' { format!("\\u{:04x}", u32::from(c)) } else { c.into() };
+    json.chars().map(shown).collect()
 }
 
 /// A path as a text of JSON, with a mark in place of what is no Unicode.
@@ -106,4 +112,17 @@ pub fn is_interactive() -> bool {
 /// Gives `word` in bold with an ANSI colour code, where stderr may be coloured.
 fn coloured(word: &str, colour: &str) -> String {
     if is_interactive() { format!("\x1b[1;{colour}m{word}\x1b[0m") } else { word.into() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn json_stays_json_and_steers_no_terminal() {
+        let value = serde_json::json!({ "a\u{7f}": "b\n\u{1b}\u{9b}é" });
+        let text = escaped(&serde_json::to_string_pretty(&value).unwrap());
+        assert!(!text.contains(|c: char| c.is_control() && c != '\n'), "{text}");
+        assert_eq!(serde_json::from_str::<serde_json::Value>(&text).unwrap(), value);
+    }
 }
