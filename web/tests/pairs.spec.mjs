@@ -14,13 +14,19 @@ async function clickFree(page, pane) {
   await page.mouse.click(x, y);
 }
 
-test('a new pair stays selected when it is complete, and the next click begins another', async () => {
+/** A page on which a pair was clicked, which is selected, and how many pairs there were before. */
+async function withNewPair() {
   const page = await studio.open();
   await atRest(page);
   const { length } = await pairs(page);
   await clickFree(page, 'source');
   await clickFree(page, 'result');
   await saved(page);
+  return { page, length };
+}
+
+test('a new pair stays selected when it is complete, and the next click begins another', async () => {
+  const { page, length } = await withNewPair();
   const made = (await pairs(page)).at(-1);
   assert.equal(await selected(page), made.id);
   await page.fill('.detail input', 'hump');
@@ -63,12 +69,7 @@ test('a deleted pair that comes back is selected, and the views go there', async
 });
 
 test('one pair is mirrored alone', async () => {
-  const page = await studio.open();
-  await atRest(page);
-  const { length } = await pairs(page);
-  await clickFree(page, 'source');
-  await clickFree(page, 'result');
-  await saved(page);
+  const { page, length } = await withNewPair();
   await page.keyboard.press('m');
   await page.click('dialog >> text=/^Only /');
   await saved(page);
