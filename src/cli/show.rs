@@ -78,10 +78,11 @@ fn statistics(plugin: &Plugin) -> String {
     };
     let name = (plugin.name)();
     let row = |(i, statistic): (usize, &Statistic)| {
-        let Statistic { name: key, unit, limits, meaning, .. } = statistic;
+        let Statistic { name: key, title, unit, limits, meaning, .. } = statistic;
+        let title = if title.is_empty() { String::new() } else { format!("\nin verdicts: {title}") };
         let gate = if i == 0 { format!("gate `{name}` or `{name}_{key}`") } else { format!("gate `{name}_{key}`") };
         let limits = limits.map(|limits| format!(", doubtful above {}, bad above {}", limits.doubtful, limits.bad));
-        ((*key).to_owned(), format!("{meaning}\nunit {unit}, {gate}{}", limits.unwrap_or_default()))
+        ((*key).to_owned(), format!("{meaning}\nunit {unit}, {gate}{}{title}", limits.unwrap_or_default()))
     };
     let when = match (metric.by_default(), metric.needs_ground_truth()) {
         (true, true) => "It is measured where the truth is known.",

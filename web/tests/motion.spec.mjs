@@ -52,14 +52,19 @@ test('play shows the rough preview with a loud word, and the result as soon as a
 test('clips of the source are listed, and another one is chosen', { skip: !mocked }, async () => {
   const page = await studio.open();
   const options = await page.locator('.clip-choice option').allTextContents();
-  assert.deepEqual(options, ['Walk · 1.00 s, 24 frames', 'Run · 0.50 s, 12 frames']);
+  assert.deepEqual(options, ['Walk · 1.00 s, 24 frames', 'Run · 0.50 s, 12 frames', 'All 2 clips']);
   await page.selectOption('.clip-choice select', 'Run');
   await page.waitForFunction(() => window.mimesh.studio.session.peek().poses.list[0].clip === 'Run');
   await page.waitForFunction(() => window.mimesh.studio.phase.peek().name === 'ready');
   assert.deepEqual(await page.evaluate(() => window.mimesh.studio.pipeline.pipeline.peek().value.source.poses), {
     clip: 'Run',
   });
-  await page.evaluate(() => window.mimesh.studio.history.step(false));
+  await page.selectOption('.clip-choice select', '*');
+  await page.waitForFunction(() => window.mimesh.studio.session.peek().poses.list.at(-1).clip === 'Run');
+  await page.waitForFunction(() => document.querySelector('.clip-choice select').value === '*');
+  assert.equal(await page.evaluate(() => window.mimesh.studio.session.peek().poses.list[0].clip), 'Walk');
+  await page.selectOption('.clip-choice select', 'Walk');
+  await page.waitForFunction(() => window.mimesh.studio.session.peek().poses.list.at(-1).clip === 'Walk');
   assert.deepEqual(page.errors, []);
   await page.close();
 });
@@ -118,6 +123,8 @@ test('a run has sentences, its places are pointed at, and it is out of date afte
   await page.waitForSelector('.total');
   assert.equal(await page.textContent('.total'), 'Look at 2 things.');
   assert.equal(await page.locator('.outdated:visible').count(), 0);
+  // What is there already is replaced.
+  assert.match(await page.getAttribute('.run-control .primary', 'title'), / and replaces /);
   const place = () => page.evaluate(() => window.mimesh.stage.pane('result').view.labels.find((one) => one.passive));
   await page.click('.faults-of-run .button');
   await atRest(page);
@@ -127,6 +134,11 @@ test('a run has sentences, its places are pointed at, and it is out of date afte
   await page.waitForFunction(() => !window.mimesh.stage.pane('result').view.labels.some((one) => one.passive));
   await page.evaluate(() => window.mimesh.studio.pipeline.set(['output'], 'x.glb'));
   await page.waitForSelector('.outdated:visible');
+  // Another clip would go into the files of this one.
+  await page.selectOption('.clip-choice select', 'Run');
+  await page.waitForFunction(() =>
+    /^The next run replaces .*\.glb/.test(document.querySelector('.notice-text').textContent),
+  );
   assert.deepEqual(page.errors, []);
   await page.close();
   await own.close();

@@ -4,7 +4,7 @@ use std::{cmp::Ordering, collections::HashMap};
 
 use mimesh_pipeline::{
     Prepared,
-    metrics::{Level, PoseMeasurements, Reason, declared_statistic},
+    metrics::{Level, PoseMeasurements, Reason},
 };
 use serde::Serialize;
 
@@ -31,8 +31,10 @@ pub struct Worst {
     vertex: Option<usize>,
     /// The whole reason in words, as reports have it.
     words: String,
-    /// What the statistic is.
-    meaning: &'static str,
+    /// What the metric finds wrong, and what helps.
+    fault: &'static str,
+    /// What the statistic is, exactly.
+    meaning: String,
 }
 
 impl Worst {
@@ -53,7 +55,7 @@ impl Worst {
             pose: place.and_then(|place| project.index_of(prepared, place)),
             pose_name: named.map(|pose| pose.name.clone()),
             metric: reason.metric.clone(),
-            title: format!("{} {}", reason.metric, reason.statistic).replace('_', " "),
+            title: reason.title(),
             value: reason.value,
             unit: statistic.map_or("", |statistic| statistic.unit).into(),
             limit: reason.limit,
@@ -61,7 +63,10 @@ impl Worst {
             about: reason.about.clone().or_else(|| reason.note.clone()),
             vertex: named_vertex(reason).or_else(|| worst_vertex(measured?, &reason.metric)),
             words: reason.words(),
-            meaning: declared_statistic(&reason.metric, &reason.statistic).map_or("", |statistic| statistic.meaning),
+            fault: metric.map_or("", |metric| metric.fault()),
+            meaning: statistic
+                .map(|one| format!("`{}` of `{}`: {}", one.name, reason.metric, one.meaning))
+                .unwrap_or_default(),
         }
     }
 
@@ -124,7 +129,8 @@ mod tests {
             about: Some("marker 2".into()),
             vertex: None,
             words: "m at marker 2, above 1".into(),
-            meaning: "",
+            fault: "",
+            meaning: String::new(),
         }
     }
 

@@ -36,7 +36,11 @@ impl Metric for AreaChange {
 
     fn statistics(&self) -> Vec<Statistic> {
         let beyond = Limits { doubtful: 300.0, bad: 2000.0 };
-        size_change::statistics(beyond, Limits { doubtful: 20.0, bad: 100.0 })
+        size_change::statistics(
+            beyond,
+            Limits { doubtful: 20.0, bad: 100.0 },
+            ["change of area beyond the source's", "change of the whole area beyond the source's"],
+        )
     }
 
     fn fault(&self) -> &'static str {

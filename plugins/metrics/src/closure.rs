@@ -62,7 +62,9 @@ impl Metric for Closure {
 
     fn statistics(&self) -> Vec<Statistic> {
         vec![
-            Statistic::new("worst_gap_error", "%", "Largest error of a pair.").with_limits(25.0, 75.0),
+            Statistic::new("worst_gap_error", "%", "Largest error of a pair.")
+                .with_title("gap of a pair that should close as the source's")
+                .with_limits(25.0, 75.0),
             Statistic::new("mean_gap_error", "%", "Mean error over the pairs."),
             Statistic::index("worst", "Pair with the largest error, by its place in the list."),
             Statistic::new("worst_gap", "%", "Gap of the worst pair, relative to w."),

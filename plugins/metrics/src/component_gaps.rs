@@ -59,6 +59,7 @@ impl Metric for ComponentGaps {
         vec![
             Statistic::new("p99", "%", "99th percentile of the opening over pairs."),
             Statistic::new("beyond", "%", "How much `p99` exceeds `source_p99`; 0 if it does not.")
+                .with_title("gaps between parts beyond the source's")
                 .with_limits(2.0, 8.0),
             Statistic::new("mean", "%", "Mean opening over pairs."),
             Statistic::new("max", "%", "Largest opening of a pair."),
@@ -72,12 +73,14 @@ impl Metric for ComponentGaps {
                 "%",
                 "Largest median opening of the pairs of one component; it shows one loose component among many.",
             )
+            .with_title("gap around the loosest part")
             .with_limits(3.0, 8.0),
             Statistic::new(
                 "loose",
                 "%",
                 "The same as `worst_component`, relative to the largest motion of the source + 1 %.",
             )
+            .with_title("gap around the loosest part relative to the motion")
             .with_limits(8.0, 60.0),
             Statistic::index("worst", "Component with the largest median opening, numbered by first vertex."),
             Statistic::new(

@@ -38,7 +38,9 @@ impl Metric for ComponentMotion {
     fn statistics(&self) -> Vec<Statistic> {
         vec![
             Statistic::new("offset_mean", "%", "Mean offset over components."),
-            Statistic::new("offset_max", "%", "Largest offset of a component.").with_limits(2.0, 5.0),
+            Statistic::new("offset_max", "%", "Largest offset of a component.")
+                .with_title("largest offset of a part")
+                .with_limits(2.0, 5.0),
             Statistic::new("rotation_mean", "degrees", "Mean angle of rotation over components."),
             Statistic::new("rotation_max", "degrees", "Largest angle of rotation of a component."),
             Statistic::index("worst", "Component with the largest offset, numbered by first vertex."),

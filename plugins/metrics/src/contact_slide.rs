@@ -73,7 +73,9 @@ impl Metric for ContactSlide {
     fn statistics(&self) -> Vec<Statistic> {
         vec![
             Statistic::new("mean", "%", "Mean slide over planted vertices."),
-            Statistic::new("p95", "%", "95th percentile of the slide over planted vertices.").with_limits(1.0, 15.0),
+            Statistic::new("p95", "%", "95th percentile of the slide over planted vertices.")
+                .with_title("slide of feet on the ground")
+                .with_limits(1.0, 15.0),
             Statistic::new("max", "%", "Largest slide of a planted vertex."),
             Statistic::new("planted", "count", "Planted vertices of the welded surface."),
         ]

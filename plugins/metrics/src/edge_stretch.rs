@@ -44,10 +44,16 @@ impl Metric for EdgeStretch {
 
     fn statistics(&self) -> Vec<Statistic> {
         let beyond = Limits { doubtful: 120.0, bad: 500.0 };
-        let mut statistics = size_change::statistics(beyond, Limits { doubtful: 10.0, bad: 40.0 });
+        let mut statistics = size_change::statistics(
+            beyond,
+            Limits { doubtful: 10.0, bad: 40.0 },
+            ["stretch beyond the source's", "change of the whole size beyond the source's"],
+        );
         // An even scale that the source has too is no fault of the transfer, but perhaps of the units.
         let scale = Limits { doubtful: 50.0, bad: 100_000.0 };
-        statistics.iter_mut().filter(|one| one.name == "median").for_each(|one| one.limits = Some(scale));
+        statistics.iter_mut().filter(|one| one.name == "median").for_each(|one| {
+            *one = one.with_title("change of the whole size").with_limits(scale.doubtful, scale.bad);
+        });
         statistics.extend([
             Statistic::new("jump", "%", "Largest change of a length, in percent of the diagonal."),
             Statistic::new("source_jump", "%", "The same as `jump`, of the source, for edges as long as the target's."),
@@ -56,6 +62,7 @@ impl Metric for EdgeStretch {
                 "%",
                 "How much `jump` exceeds `source_jump`, relative to the largest motion of the source + 1 %.",
             )
+            .with_title("tearing beyond the source's")
             .with_limits(16.0, 80.0),
         ]);
         statistics

@@ -36,6 +36,7 @@ impl Metric for FlippedTriangles {
             Statistic::new("count", "count", "Flipped triangles."),
             Statistic::new("share", "%", "Area at rest of flipped triangles, relative to the whole area."),
             Statistic::new("beyond_share", "%", "How much `share` exceeds `source_share`; 0 if it does not.")
+                .with_title("flipped area beyond the source's")
                 .with_limits(0.5, 100.0),
             Statistic::new("source_count", "count", "The same as `count`, of the source."),
             Statistic::new("source_share", "%", "The same as `share`, of the source."),
@@ -44,6 +45,7 @@ impl Metric for FlippedTriangles {
                 "count",
                 "Triangles that lost their area: height below 1e-6 of the longest edge, above 1e-4 at rest.",
             )
+            .with_title("triangles that lost their area")
             .with_limits(0.0, 1000.0),
         ]
     }

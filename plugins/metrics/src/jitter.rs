@@ -43,6 +43,7 @@ impl Metric for Jitter {
                 "ratio",
                 "(`rms` + 0.05) / (`source_rms` + 0.05), about 1 if neither moves by more than 0.05 %.",
             )
+            .with_title("jitter relative to the source's")
             .with_limits(2.0, 20.0),
             Statistic::new("rms", "%", "Root mean square of the second difference over vertices.")
                 .with_aggregate(Aggregate::RootMeanSquare),

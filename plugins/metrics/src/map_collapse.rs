@@ -57,7 +57,7 @@ impl Metric for MapCollapse {
 
     fn statistics(&self) -> Vec<Statistic> {
         vec![
-            Statistic::new("share", "%", "Share of places whose surroundings take their motion from less than half of their size on the source: ρ below 0.5.").with_limits(0.1, 1.0),
+            Statistic::new("share", "%", "Share of places whose surroundings take their motion from less than half of their size on the source: ρ below 0.5.").with_title("places that move by too small a patch of the source").with_limits(0.1, 1.0),
             Statistic::new("p1", "ratio", "1st percentile of ρ."),
             Statistic::new("p50", "ratio", "Median ρ."),
             Statistic::index("worst", "Vertex of the file at the place with the smallest ρ."),

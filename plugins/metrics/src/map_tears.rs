@@ -52,17 +52,17 @@ impl Metric for MapTears {
 
     fn statistics(&self) -> Vec<Statistic> {
         vec![
-            Statistic::new("share", "%", "Share of neighbours with a gap above 5 %.").with_limits(0.05, 0.5),
-            Statistic::new("orphans", "%", "Share of triangles without a partner.").with_limits(25.0, 75.0),
+            Statistic::new("share", "%", "Share of neighbours with a gap above 5 %.").with_title("neighbours that are torn apart on the source").with_limits(0.05, 0.5),
+            Statistic::new("orphans", "%", "Share of triangles without a partner.").with_title("triangles without a partner").with_limits(25.0, 75.0),
             Statistic::new("p99", "%", "99th percentile of the gap."),
             Statistic::new("max", "%", "Largest gap."),
-            Statistic::new("stretch_p99", "ratio", "How many times farther apart neighbours lie on the source than they should, near the worst place: 99th percentile of e′ / (e + h).").with_limits(1.4, 2.5),
+            Statistic::new("stretch_p99", "ratio", "How many times farther apart neighbours lie on the source than they should, near the worst place: 99th percentile of e′ / (e + h).").with_title("neighbours that are drawn apart on the source").with_limits(1.4, 2.5),
             Statistic::new(
                 "worst_component",
                 "%",
                 "Largest share of neighbours in a component that are torn along the source.",
             )
-            .with_limits(10.0, 100.0),
+            .with_title("neighbours that are torn apart in the worst part").with_limits(10.0, 100.0),
             Statistic::index("worst", "Component with the largest share, numbered by first vertex."),
         ]
     }

@@ -65,6 +65,7 @@ impl Metric for MarkerFit {
     fn statistics(&self) -> Vec<Statistic> {
         vec![
             Statistic::new("mirrored", "0 or 1", "1 if `mirror_gain` is above 1.2: left and right are swapped.")
+                .with_title("left and right are swapped")
                 .with_limits(0.0, 0.0),
             Statistic::new(
                 "mirror_gain",
@@ -77,6 +78,7 @@ impl Metric for MarkerFit {
                 "ratio",
                 "Largest score relative to the median score; 1 if all markers fit alike.",
             )
+            .with_title("misfit of the worst marker relative to the others")
             .with_limits(7.0, 50.0),
             Statistic::new("residual_p50", "%", "Median residual."),
             Statistic::new("residual_max", "%", "Largest residual."),

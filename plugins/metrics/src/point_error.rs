@@ -40,17 +40,22 @@ impl Metric for PointError {
 
     fn statistics(&self) -> Vec<Statistic> {
         vec![
-            Statistic::new("mean", "%", "Mean error.").with_limits(1.0, 5.0),
+            Statistic::new("mean", "%", "Mean error.")
+                .with_title("mean distance from the known result")
+                .with_limits(1.0, 5.0),
             Statistic::new("rms", "%", "Root mean square of the error.").with_aggregate(Aggregate::RootMeanSquare),
             Statistic::new("p50", "%", "Median error."),
             Statistic::new("p95", "%", "95th percentile of the error."),
             Statistic::new("p99", "%", "99th percentile of the error."),
-            Statistic::new("max", "%", "Largest error.").with_limits(5.0, 15.0),
+            Statistic::new("max", "%", "Largest error.")
+                .with_title("largest distance from the known result")
+                .with_limits(5.0, 15.0),
             Statistic::new(
                 "still_max",
                 "%",
                 "The same as `max`, if known positions lie less than 5 % from rest in the mean; else it is missing.",
             )
+            .with_title("largest distance from the known result, in a small motion")
             .with_limits(1.0, 1.5),
             Statistic::new("placed", "%", "Mean distance of vertices to their known positions, without the move."),
             Statistic::new(

@@ -53,6 +53,7 @@ impl Metric for RestDifference {
     fn statistics(&self) -> Vec<Statistic> {
         vec![
             Statistic::new("share", "%", "Share of the area that is turned by more than 40° against the rest.")
+                .with_title("area that rests turned against the source's")
                 .with_limits(4.0, 100.0),
             Statistic::new("p50", "°", "Median angle."),
             Statistic::new("p95", "°", "95th percentile of the angle."),

@@ -40,6 +40,7 @@ impl Metric for SelfIntersections {
             Statistic::new("share", "%", "Share of triangles that count."),
             Statistic::new("pairs", "count", "Crossing pairs with a triangle that counts."),
             Statistic::new("beyond_share", "%", "How much `share` exceeds `source_share`; 0 if it does not.")
+                .with_title("triangles that cross, beyond the source's")
                 .with_limits(3.0, 100.0),
             Statistic::new("source_share", "%", "The same as `share`, of the source."),
             Statistic::new("rest_share", "%", "Share of triangles that cross another at rest."),

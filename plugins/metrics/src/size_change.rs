@@ -12,10 +12,11 @@ use crate::{
     vertex_field,
 };
 
-/// The statistics of both metrics, with the limits of `beyond` and `median_beyond`.
-pub fn statistics(beyond: Limits, median: Limits) -> Vec<Statistic> {
+/// The statistics of both metrics, with the limits of `beyond` and `median_beyond`, and the titles of both.
+pub fn statistics(beyond: Limits, median: Limits, titles: [&'static str; 2]) -> Vec<Statistic> {
     vec![
         Statistic::new("beyond", "%", "How much 1 + `p99` is larger than 1 + `source_p99`; 0 if it is not.")
+            .with_title(titles[0])
             .with_limits(beyond.doubtful, beyond.bad),
         Statistic::new("p99", "%", "99th percentile of the change."),
         Statistic::new("max", "%", "Largest change."),
@@ -25,6 +26,7 @@ pub fn statistics(beyond: Limits, median: Limits) -> Vec<Statistic> {
             "%",
             "How much 1 + `median` differs from 1 + `source_median`; it shows a scale that the source has not.",
         )
+        .with_title(titles[1])
         .with_limits(median.doubtful, median.bad),
         Statistic::new("source_p99", "%", "The same as `p99`, of the source."),
         Statistic::new("source_max", "%", "The same as `max`, of the source."),

@@ -53,19 +53,19 @@ impl Metric for SourceMotion {
 
     fn statistics(&self) -> Vec<Statistic> {
         vec![
-            Statistic::new("p999", "%", "How far nearly the worst point is from the motion of the source: the 99.9th percentile of r.").with_limits(12.0, 60.0),
-            Statistic::new("mean", "%", "Mean of r.").with_limits(4.5, 10.0),
+            Statistic::new("p999", "%", "How far nearly the worst point is from the motion of the source: the 99.9th percentile of r.").with_title("distance of the worst points from the source's motion").with_limits(12.0, 60.0),
+            Statistic::new("mean", "%", "Mean of r.").with_title("mean distance from the source's motion").with_limits(4.5, 10.0),
             Statistic::new("max", "%", "Largest r."),
             Statistic::new("lag", "%", "`p999` relative to the source's largest motion: about 100 if a part does not move at all; 100 `p999` / (`reach` + 1).")
-                .with_limits(40.0, 300.0),
+                .with_title("lag behind the source's motion").with_limits(40.0, 300.0),
             Statistic::new(
                 "still_excess",
                 "%",
                 "How far the worst point is off the source's motion, beyond 0.025 `misfit` `reach` that shapes explain; missing if `source_mean` is above 5.5 %.",
             )
-            .with_limits(0.9, 50.0),
+            .with_title("motion where the source hardly moves").with_limits(0.9, 50.0),
             Statistic::new("spike", "%", "Largest spike of a vertex, divided by 1 + (`reach` / 10 %)².")
-                .with_limits(0.36, 5.0),
+                .with_title("vertices that stick out").with_limits(0.36, 5.0),
             Statistic::new("reach", "%", "Largest motion of a point of the source, ‖e − ē‖."),
             Statistic::new("source_mean", "%", "Mean motion of the points of the source."),
             Statistic::new("misfit", "%", "Root mean square distance of the shapes at rest, after the similarity."),

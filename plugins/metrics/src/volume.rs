@@ -40,7 +40,7 @@ impl Metric for Volume {
     fn statistics(&self) -> Vec<Statistic> {
         vec![
             Statistic::new("beyond", "%", "How much more the volume changes than that of the source: 100 (e^|d| − 1), d the difference of their ln(V / V₀).")
-                .with_limits(15.0, 80.0),
+                .with_title("change of volume beyond the source's").with_limits(15.0, 80.0),
             Statistic::new("change", "%", "100 (V / V₀ − 1), with its sign; −200 for a mesh turned inside out."),
             Statistic::new("source_change", "%", "The same as `change`, of the source."),
             Statistic::new(

@@ -31,6 +31,16 @@ fn the_tables_of_statistics_are_those_that_metrics_declare() {
     }
 }
 
+/// What verdicts call a statistic is read by people who know neither metrics nor statistics.
+#[test]
+fn statistics_with_limits_have_titles() {
+    for (name, metric) in plugin::instances::<dyn Metric>() {
+        for statistic in metric.statistics().iter().filter(|statistic| statistic.limits.is_some()) {
+            assert!(!statistic.title.is_empty(), "{name}: `{}` has limits and no title", statistic.name);
+        }
+    }
+}
+
 /// `text` with the table of each section replaced by that of the metric which the section is about.
 fn with_declared_tables(text: &str) -> String {
     let mut result = String::new();
@@ -57,12 +67,13 @@ fn table(statistics: &[Statistic]) -> String {
 }
 
 fn row(statistic: &Statistic) -> String {
-    let Statistic { name, unit, aggregate, limits, meaning } = statistic;
+    let Statistic { name, title, unit, aggregate, limits, meaning } = statistic;
+    let title = if title.is_empty() { String::new() } else { format!(" In verdicts: {title}.") };
     let limits = limits.map(|limits| format!("{} / {}", limits.doubtful, limits.bad)).unwrap_or_default();
     let aggregate = match aggregate {
         Aggregate::Mean => "mean",
         Aggregate::RootMeanSquare => "root mean square",
         Aggregate::None => "–",
     };
-    format!("| `{name}` | {unit} | {limits} | {aggregate} | {} |\n", meaning.replace('|', "\\|"))
+    format!("| `{name}` | {unit} | {limits} | {aggregate} | {}{title} |\n", meaning.replace('|', "\\|"))
 }

@@ -1,9 +1,14 @@
 import type { Poses } from '../protocol/types.ts';
 
-/** The clip that the poses are of; `*` for several, null for none. */
-export function chosenClip(poses: Pick<Poses, 'list'> | null): string | null {
+/** All clips of the source's file, as the pipeline says it. */
+export const ALL = '*';
+/** Some of the clips and not all; no clip is called by a blank. */
+export const SEVERAL = ' ';
+
+/** The clip that the poses are of, `ALL`, `SEVERAL`, or null for none. */
+export function chosenClip(poses: Pick<Poses, 'list' | 'clips'> | null): string | null {
   const names = new Set((poses?.list ?? []).map((pose) => pose.clip).filter((name) => name !== null));
-  if (names.size > 1) return '*';
+  if (names.size > 1) return names.size >= (poses?.clips ?? []).length ? ALL : SEVERAL;
   const [name] = names;
   return name ?? null;
 }

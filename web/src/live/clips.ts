@@ -2,11 +2,12 @@ import type { Studio } from '../app/studio.ts';
 import type { Clip, Step } from '../protocol/types.ts';
 import { select } from '../ui/controls.ts';
 import { h } from '../ui/dom.ts';
+import { notify } from '../ui/notices.ts';
 import { effect, signal } from '../ui/signal.ts';
 import { readStored, writeStored } from '../ui/storage.ts';
-import { chosenClip, clipSetting } from './clip.ts';
+import { counted, listed } from '../ui/words.ts';
+import { ALL, chosenClip, clipSetting, SEVERAL } from './clip.ts';
 
-const SEVERAL = '*';
 const SHAPES = '';
 
 /** Sources that have shapes, over a reload too. */
@@ -25,6 +26,7 @@ export function clipChoice(studio: Studio): HTMLElement {
     ...(hasShapes(studio) ? [{ value: SHAPES, label: 'Shapes' }] : []),
     ...(present() === SEVERAL ? [{ value: SEVERAL, label: 'Several clips' }] : []),
     ...clips().map((clip) => ({ value: clip.name, label: describe(clip) })),
+    ...(clips().length > 1 ? [{ value: ALL, label: `All ${counted(clips().length, 'clip')}` }] : []),
   ];
   const present = () => chosenClip(studio.session.value?.poses ?? null);
   const choice = select<string>({
@@ -32,6 +34,8 @@ export function clipChoice(studio: Studio): HTMLElement {
     options,
     value: () => present() ?? SHAPES,
     change: (name) => {
+      if (name === present()) return;
+      tellOfReplacing(studio);
       if (name === SHAPES) return chooseShapes(studio);
       const { path, value } = clipSetting(studio.pipeline.pipeline.peek()?.value, name);
       void studio.pipeline.set(path as Step[], value);
@@ -54,6 +58,19 @@ export function hasShapes(studio: Studio): boolean {
 /** Shapes become the poses again in place of a clip. */
 export function chooseShapes(studio: Studio): void {
   void studio.pipeline.unset(['source', 'poses']);
+}
+
+/** What a run has written is of the clip from before, and the next run writes to the same files. */
+function tellOfReplacing(studio: Studio): void {
+  const last = studio.runs.last();
+  const names = (last?.result?.written ?? []).map((file) => file.name);
+  if (last?.state !== 'done' || names.length === 0) return;
+  notify(
+    `The next run replaces ${listed(names)}.`,
+    'To keep both, give `output` another name under Stages first, or choose all clips.',
+    'info',
+    'clip',
+  );
 }
 
 /** The source, by which it is known again when a clip of it is chosen. */

@@ -43,13 +43,16 @@ function worstEntry(studio: Studio, stage: Stage, worst: Worst, short = false): 
   const limit = worst.limit === null ? '' : `, limit ${formatNumber(worst.limit)} ${worst.unit}`;
   return h(
     'button',
-    { type: 'button', class: `worst-entry ${worst.level}`, onclick: () => showWorst(studio, stage, worst) },
+    {
+      type: 'button',
+      class: `worst-entry ${worst.level}`,
+      title: worst.meaning.replace(/`/g, ''),
+      onclick: () => showWorst(studio, stage, worst),
+    },
     verdict(worst.level),
     h('span', { class: 'figure' }, value),
     short ? null : h('span', { class: 'about' }, `${readableIn(worst.title)}${limit}`),
-    short || !worst.meaning
-      ? null
-      : h('span', { class: 'meaning' }, ...inline(`${capital(readableIn(worst.meaning))}.`)),
+    short || !worst.fault ? null : h('span', { class: 'fault' }, ...inline(`${capital(readableIn(worst.fault))}.`)),
     h('span', { class: 'place' }, place || 'whole run'),
   );
 }
@@ -64,11 +67,12 @@ export function showWorst(studio: Studio, stage: Stage, worst: Worst): void {
   showColours(studio, worst.metric);
   const marker = /^marker (.+)$/.exec(worst.about ?? '')?.[1];
   const pair = studio.markers.pairs.peek().find((one) => (one.name ?? String(one.number)) === marker);
-  if (worst.vertex !== null) stage.showPlace('target', { vertex: worst.vertex }, pair?.source ?? null);
-  else if (pair?.target) {
+  if (pair?.target) {
+    // Its number points at the place.
     studio.selected.value = pair.id;
-    stage.showPlace('target', pair.target, pair.source);
-  } else studio.live.sought.value = { metric: worst.metric, pose: worst.pose };
+    stage.flyToPoints(pair.source, pair.target);
+  } else if (worst.vertex !== null) stage.showPlace('target', { vertex: worst.vertex });
+  else studio.live.sought.value = { metric: worst.metric, pose: worst.pose };
 }
 
 /** The colours that show where a metric is bad, if it has a colour map. */

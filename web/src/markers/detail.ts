@@ -46,6 +46,7 @@ export function pairDetail(studio: Studio, actions: Actions): HTMLElement {
       }),
       button({
         label: 'Skip',
+        title: 'Leave the pair out of the transfer, and keep its points (S)',
         keys: 'S',
         icon: 'skip',
         run: () => actions.skip(),

@@ -235,7 +235,9 @@ export interface Worst {
   vertex: number | null;
   /** The whole reason in words. */
   words: string;
-  /** What the statistic is. */
+  /** What is wrong, and what helps. */
+  fault: string;
+  /** What the statistic is, exactly. */
   meaning: string;
 }
 

@@ -54,7 +54,8 @@ export function whatRunDoes(studio: Studio): string {
     return `A run would stop at a mistake in the pipeline. ${line}${sentence(mistake.message)} Stages shows it.`;
   }
   const outputs = studio.pipeline.pipeline.value?.outputs ?? [];
-  return `Runs the whole pipeline and writes ${outputs.length > 0 ? listNames(outputs) : 'its files'}.`;
+  const writes = studio.runs.last()?.state === 'done' ? 'replaces' : 'writes';
+  return `Runs the whole pipeline and ${writes} ${outputs.length > 0 ? listNames(outputs) : 'its files'}.`;
 }
 
 function shareOf(job: Job | null): number | null {

@@ -71,7 +71,7 @@ export class Project {
     const areShapes = this.clip === null;
     const names = areShapes
       ? ['jawOpen', 'smileLeft', 'smileRight', 'browUp', 'blink']
-      : Array.from({ length: FRAMES }, (_, i) => `${this.clip} ${i}`);
+      : Array.from({ length: FRAMES }, (_, i) => `${this.clipAt(i)} ${i}`);
     return {
       project: this.number,
       opened: this.opened,
@@ -91,7 +91,7 @@ export class Project {
             ],
         list: names.map((name, i) => ({
           name,
-          clip: this.clip,
+          clip: areShapes ? null : this.clipAt(i),
           seconds: areShapes ? null : i / 24,
         })),
       },
@@ -104,6 +104,12 @@ export class Project {
       has_truth: true,
       live: { preview: true, reason: null },
     };
+  }
+
+  /** Of all clips each has half of the frames. */
+  clipAt(frame) {
+    if (this.clip !== '*') return this.clip;
+    return frame < FRAMES / 2 ? 'Walk' : 'Run';
   }
 
   pipeline() {
@@ -228,6 +234,7 @@ export class Project {
         title: 'edge stretch',
         value: 34.2,
         words: 'edge stretch 34.2 %, above 25 %',
+        fault: 'parts move where they should rest: give a pair there',
         meaning: 'how far it is from what it should be',
         unit: '%',
         limit: 25,
@@ -242,6 +249,7 @@ export class Project {
         title: 'edge stretch',
         value: 22.8,
         words: 'edge stretch 22.8 %, above 25 %',
+        fault: 'parts move where they should rest: give a pair there',
         meaning: 'how far it is from what it should be',
         unit: '%',
         limit: 25,
@@ -256,6 +264,7 @@ export class Project {
         title: 'point error',
         value: 1.4,
         words: 'point error 1.4 %, above 2 %',
+        fault: 'parts move where they should rest: give a pair there',
         meaning: 'how far it is from what it should be',
         unit: '% of the diagonal',
         limit: 2,

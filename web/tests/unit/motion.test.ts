@@ -2,7 +2,7 @@ import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { past } from '../../src/app/past.ts';
 import { nearestFrame, playableStep, preparation } from '../../src/live/ahead.ts';
-import { chosenClip, clipSetting } from '../../src/live/clip.ts';
+import { ALL, chosenClip, clipSetting, SEVERAL } from '../../src/live/clip.ts';
 import { needOf } from '../../src/markers/order.ts';
 import { withoutPartner } from '../../src/markers/partners.ts';
 import { maskSetting, rigidSetting } from '../../src/paint/setting.ts';
@@ -39,9 +39,12 @@ test('of a clip with some frames the nearest before is played', () => {
 
 test('another clip keeps the other settings of the poses', () => {
   const pose = (clip: string | null) => ({ name: '', clip, seconds: null });
-  assert.equal(chosenClip({ list: [pose('Run'), pose('Run')] }), 'Run');
-  assert.equal(chosenClip({ list: [pose('Run'), pose('Walk')] }), '*');
-  assert.equal(chosenClip({ list: [pose(null)] }), null);
+  const clips = ['Run', 'Walk'].map((name) => ({ name, seconds: 1, frames: 2 }));
+  const chosen = (names: (string | null)[], all = clips) => chosenClip({ list: names.map(pose), clips: all });
+  assert.equal(chosen(['Run', 'Run']), 'Run');
+  assert.equal(chosen(['Run', 'Walk']), ALL);
+  assert.equal(chosen(['Run', 'Walk'], [...clips, { name: 'Turn', seconds: 1, frames: 2 }]), SEVERAL);
+  assert.equal(chosen([null]), null);
   assert.deepEqual(clipSetting({ source: { rest: 'a.glb' } }, 'Run'), {
     path: ['source', 'poses'],
     value: { clip: 'Run' },

@@ -3,6 +3,8 @@
 pub struct Statistic {
     /// The name in reports and gates, in `snake_case`.
     pub name: &'static str,
+    /// What people read in place of its name where it is above a limit, e.g. `lag behind the source's motion`; empty for the name.
+    pub title: &'static str,
     /// The unit, e.g. `%`, `degrees`, `count` or `ratio`.
     pub unit: &'static str,
     /// How its values are combined over poses.
@@ -37,7 +39,7 @@ pub struct Limits {
 impl Statistic {
     /// A statistic that is averaged over poses, without limits.
     pub const fn new(name: &'static str, unit: &'static str, meaning: &'static str) -> Self {
-        Self { name, unit, aggregate: Aggregate::Mean, limits: None, meaning }
+        Self { name, title: "", unit, aggregate: Aggregate::Mean, limits: None, meaning }
     }
 
     /// The number of one thing among many, counted from 0; it has no average.
@@ -48,6 +50,11 @@ impl Statistic {
     /// The same, combined over poses by `aggregate`.
     pub const fn with_aggregate(self, aggregate: Aggregate) -> Self {
         Self { aggregate, ..self }
+    }
+
+    /// The same, called `title` where it is above a limit: a few words that a reader without this page understands.
+    pub const fn with_title(self, title: &'static str) -> Self {
+        Self { title, ..self }
     }
 
     /// The same, doubtful above one size and bad above another.

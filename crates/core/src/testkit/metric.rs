@@ -100,8 +100,8 @@ fn expect(name: &str, measured: Result<Measured>) -> Measured {
 fn declares_its_statistics(name: &str, statistics: &[Statistic]) {
     assert!(!statistics.is_empty(), "{name}: declares no statistic");
     assert!(statistics[0].aggregate != Aggregate::None, "{name}: the primary statistic has no average");
-    let mut names = HashSet::new();
-    for Statistic { name: statistic, unit, aggregate, limits, meaning } in statistics {
+    let (mut names, mut titles) = (HashSet::new(), HashSet::new());
+    for Statistic { name: statistic, title, unit, aggregate, limits, meaning } in statistics {
         let is_plain = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_';
         assert!(!statistic.is_empty() && statistic.chars().all(is_plain), "{name}: `{statistic}` is not snake_case");
         assert!(names.insert(statistic), "{name}: declares `{statistic}` twice");
@@ -110,6 +110,9 @@ fn declares_its_statistics(name: &str, statistics: &[Statistic]) {
         assert!(is_sentence, "{name}: the meaning of `{statistic}` is no sentence: {meaning:?}");
         let words = meaning.split_whitespace().count();
         assert!(words <= MAX_WORDS, "{name}: the meaning of `{statistic}` has {words} words, at most {MAX_WORDS}");
+        let is_phrase = *title == title.trim() && !title.ends_with('.');
+        assert!(is_phrase, "{name}: the title of `{statistic}` is a sentence or has blanks around it: {title:?}");
+        assert!(title.is_empty() || titles.insert(title), "{name}: two statistics have the title {title:?}");
         let Some(limits) = limits else { continue };
         assert!(*aggregate != Aggregate::None, "{name}: `{statistic}` is the number of a thing and has limits");
         let in_order = 0.0 <= limits.doubtful && limits.doubtful <= limits.bad && limits.bad.is_finite();

@@ -17,6 +17,19 @@ pub fn declared_statistic(metric: &str, statistic: &str) -> Option<Statistic> {
     declared(metric).into_iter().find(|declared| declared.name == statistic)
 }
 
+/// What people read for a statistic: its title, else its metric and its name, as `point error p95`.
+pub fn title(metric: &str, statistic: &str) -> String {
+    match declared_statistic(metric, statistic).map_or("", |statistic| statistic.title) {
+        "" => key_in_words(metric, statistic),
+        title => title.into(),
+    }
+}
+
+/// A statistic by its names in YAML, as in `gates`, in words: `point error p95`.
+pub fn key_in_words(metric: &str, statistic: &str) -> String {
+    format!("{metric} {statistic}").replace('_', " ")
+}
+
 /// The unit of a statistic for people; empty where it is not known.
 pub fn unit(metric: &str, statistic: &str) -> &'static str {
     match declared_statistic(metric, statistic).map_or("", |statistic| statistic.unit) {

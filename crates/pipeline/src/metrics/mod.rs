@@ -13,7 +13,7 @@ mod point_error;
 mod pose_metrics;
 pub mod verdict;
 
-pub use declared::{declared_statistic, limit_with_unit, unit, with_unit};
+pub use declared::{declared_statistic, key_in_words, limit_with_unit, unit, with_unit};
 pub use faults::faults;
 pub use gates::{Gate, Unknown, gates};
 pub use landmark_doubt::landmark_doubt;

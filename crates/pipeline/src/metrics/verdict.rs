@@ -2,7 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::declared::{limit_with_unit, unit, with_unit};
+use super::declared::{key_in_words, limit_with_unit, title, unit, with_unit};
+
+/// The unit of statistics that only say whether something is so.
+const YES_OR_NO: &str = "0 or 1";
 
 /// How bad a statistic or a pose is, from the best to the worst.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Deserialize, Serialize)]
@@ -90,12 +93,12 @@ impl Level {
 }
 
 impl Reason {
-    /// The reason for people: `edge stretch p99 85.1 %, above 60 %`.
+    /// The reason for people: `stretch beyond the source's 185 %, above 120 %`. A gate has the name that the pipeline gives it.
     pub fn words(&self) -> String {
         self.in_words("")
     }
 
-    /// The same for the worst of several poses: `edge stretch p99 up to 85.1 %, above 60 %`.
+    /// The same for the worst of several poses: `stretch beyond the source's up to 185 %, above 120 %`.
     pub fn words_of_worst(&self) -> String {
         self.in_words("up to ")
     }
@@ -104,13 +107,24 @@ impl Reason {
         if let Some(note) = &self.note {
             return note.clone();
         }
-        let statistic = format!("{} {}", self.metric, self.statistic).replace('_', " ");
+        let statistic = self.title();
         let Some(value) = self.value else { return format!("{statistic} could not be measured") };
         let at =
             |about: &String| if about.starts_with("around") { format!(" {about}") } else { format!(" at {about}") };
         let about = self.about.as_ref().map(at).unwrap_or_default();
         let unit = unit(&self.metric, &self.statistic);
+        if unit == YES_OR_NO && self.level != Level::Failed {
+            return format!("{statistic}{about}");
+        }
         format!("{statistic} {how}{}{about}, above {}", with_unit(value, unit), limit_with_unit(self.limit, unit))
+    }
+
+    /// What people call the statistic; a gate has the name that the pipeline gives it.
+    pub fn title(&self) -> String {
+        match self.level {
+            Level::Failed => key_in_words(&self.metric, &self.statistic),
+            _ => title(&self.metric, &self.statistic),
+        }
     }
 
     /// The size of the value over its limit: at least 1, and infinite if the limit is 0 or there is no value.

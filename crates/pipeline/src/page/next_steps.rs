@@ -8,7 +8,7 @@ use mimesh_core::{plugin::instance, stage::Metric};
 use super::words::prose;
 use crate::{
     input::HelpCommands,
-    metrics::{Level, Reason, limit_with_unit, unit, with_unit},
+    metrics::{Level, Reason, key_in_words, limit_with_unit, unit, with_unit},
     report::{PoseReport, Report},
 };
 
@@ -143,8 +143,7 @@ fn worst(report: &Report) -> Option<(&PoseReport, &Reason)> {
 /// What to do about the poses themselves; `has_shared` if there is something else to be done first.
 fn of_poses(report: &Report, help: &HelpCommands, has_shared: bool) -> Option<String> {
     let (pose, reason) = worst(report)?;
-    let metric = reason.metric.replace('_', " ");
-    let first = format!("pose `{}`, the worst by {metric}", pose.name);
+    let first = format!("pose `{}`, the worst by {}", pose.name, reason.title());
     if has_shared {
         return Some(format!("After that, look at {first}, again: faults of poses often go with those they share."));
     }
@@ -170,7 +169,7 @@ fn of_gates(report: &Report) -> Vec<String> {
         let most = reasons.iter().filter_map(|reason| reason.value).map(f64::abs).reduce(f64::max);
         let reached =
             most.map_or("could not be measured everywhere".into(), |most| format!("reaches {}", with_unit(most, unit)));
-        let name = format!("{metric} {statistic}").replace('_', " ");
+        let name = key_in_words(metric, statistic);
         format!(
             "The gate of {name} is {limit}, and the run {reached}. If the result is good enough to look at, set a larger limit \
              under `gates`."
