@@ -60,6 +60,8 @@ export async function loaded(page) {
   await page.waitForFunction(
     () => window.mimesh?.studio.phase.peek().name === 'ready' && window.mimesh.studio.live.target.peek(),
   );
+  // Cameras are where the first picture puts them.
+  await page.evaluate(() => new Promise((drawn) => requestAnimationFrame(() => requestAnimationFrame(drawn))));
 }
 
 export function pairs(page) {

@@ -52,7 +52,7 @@ impl Metric for EdgeStretch {
         // An even scale that the source has too is no fault of the transfer, but perhaps of the units.
         let scale = Limits { doubtful: 50.0, bad: 100_000.0 };
         statistics.iter_mut().filter(|one| one.name == "median").for_each(|one| {
-            *one = one.with_title("change of the whole size").with_limits(scale.doubtful, scale.bad);
+            *one = one.with_title("change of the whole size, as by other units").with_limits(scale.doubtful, scale.bad);
         });
         statistics.extend([
             Statistic::new("jump", "%", "Largest change of a length, in percent of the diagonal."),

@@ -87,7 +87,7 @@ impl Metric for MarkerFit {
     }
 
     fn fault(&self) -> &'static str {
-        "a marker lies far from where the others expect it, or left and right are swapped: look at the markers"
+        "a marker lies far from where the others expect it, or left and right are swapped: correct it, or leave it out if both places are the same part"
     }
 
     fn by_default(&self) -> bool {

@@ -14,9 +14,17 @@ export function sameMeshes(a: Session, b: Session): boolean {
   return of(a) === of(b);
 }
 
-export function warnOfOneFile({ source, target }: Session): void {
+/** Warns of files that are hardly meant so. */
+export function warnOfFiles({ source, target, poses }: Session): void {
   if (source?.file && source.file === target?.file)
     notify('Source and target are the same file.', 'If that is a mistake, open another target.', 'error', 'files');
+  else if (!poses || poses.list.length === 0)
+    notify(
+      'The source has no poses, so there is no motion to carry over.',
+      'If the other mesh is the one that moves, open the files the other way round.',
+      'error',
+      'files',
+    );
 }
 
 export async function loadMesh(side: Side): Promise<MeshData> {

@@ -10,7 +10,7 @@ import { rememberRecent } from '../start/recent.ts';
 import { clearNotices, notify, settle, settleErrors } from '../ui/notices.ts';
 import { computed, effect, signal } from '../ui/signal.ts';
 import { follows, tellProposals } from './jobs.ts';
-import { loadMesh, type Meshes, sameMeshes, warnOfOneFile } from './meshes.ts';
+import { loadMesh, type Meshes, sameMeshes, warnOfFiles } from './meshes.ts';
 import { Runs } from './runs.ts';
 import { Undo } from './undo.ts';
 
@@ -127,6 +127,12 @@ export class Studio {
   }
 
   async run(): Promise<void> {
+    const [mistake] = this.pipeline.mistakes.value;
+    if (mistake && !this.pipeline.pipeline.peek()?.checking) {
+      this.panel.value = 'stages';
+      notify(sentence(mistake.message), 'Mend it under Stages, and run again.', 'error', 'run');
+      return;
+    }
     try {
       await this.markers.settled();
       settle('run');
@@ -186,6 +192,7 @@ export class Studio {
     if (!isSame) {
       clearNotices();
       this.selected.value = null;
+      if (before !== null) this.panel.value = 'points';
       this.hidden.source.value = new Set();
       this.hidden.target.value = new Set();
     }
@@ -198,7 +205,7 @@ export class Studio {
     this.meshes.value = { source, target };
     this.live.open(session.project);
     this.phase.value = { name: 'ready' };
-    if (!isSame) warnOfOneFile(session);
+    if (!isSame) warnOfFiles(session);
     // The proposals of a new project may be there before its meshes are.
     const isNew = !isSame && !markers.exists && markers.pairs.length > 0;
     if (isNew && jobs.every((job) => job.state !== 'running')) tellProposals(this.markers.pairs.peek());
@@ -267,7 +274,9 @@ export class Studio {
         this.live.ahead.value = message;
         break;
       case 'error':
-        notify(sentence(message.error.message), message.error.hint, 'error', 'live');
+        // What was asked of the meshes from before is of no interest any more.
+        if (this.phase.peek().name === 'ready')
+          notify(sentence(message.error.message), message.error.hint, 'error', 'live');
     }
   }
 
@@ -294,7 +303,8 @@ export class Studio {
     if (job.state === 'failed') notify(sentence(job.error?.message ?? 'it failed'), job.error?.hint, 'error', job.kind);
     if (job.state !== 'done') return;
     if (job.kind === 'run') void this.readFiles();
-    if (job.kind === 'run') notify(`The run is done: ${job.result?.summary.total}.`, null, 'info', 'run');
+    if (job.kind === 'run')
+      notify(`The run is done. ${sentence(job.result?.summary.total ?? '')}`, null, 'info', 'run');
     else void this.markers.settled().then(() => tellProposals(this.markers.pairs.peek()));
   }
 }

@@ -157,5 +157,6 @@ function describe(studio: Studio, poses: Poses | null, frame: number | null): st
   const pose = poses?.list[frame];
   const seconds = pose?.seconds === null || pose?.seconds === undefined ? '' : ` · ${pose.seconds.toFixed(2)} s`;
   // Names of poses count from 0 or from 1, as their files do, so no other count stands beside them.
-  return `${pose?.name ?? frame} · ${all.list.length} frames${seconds}`;
+  const name = pose?.name ?? String(frame);
+  return `${/^\d+$/.test(name) ? `Pose ${name}` : name} · ${all.list.length} frames${seconds}`;
 }

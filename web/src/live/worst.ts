@@ -52,7 +52,7 @@ function worstEntry(studio: Studio, stage: Stage, worst: Worst, short = false): 
     verdict(worst.level),
     h('span', { class: 'figure' }, value),
     short ? null : h('span', { class: 'about' }, `${readableIn(worst.title)}${limit}`),
-    short || !worst.fault ? null : h('span', { class: 'fault' }, ...inline(`${capital(readableIn(worst.fault))}.`)),
+    short || !worst.fault ? null : h('span', { class: 'advice' }, ...inline(`${capital(readableIn(worst.fault))}.`)),
     h('span', { class: 'place' }, place || 'whole run'),
   );
 }

@@ -1,6 +1,7 @@
 import type { Studio } from '../app/studio.ts';
 import type { Hit } from '../picking/picker.ts';
 import type { Point } from '../protocol/types.ts';
+import { notify } from '../ui/notices.ts';
 import type { Pane } from '../views/pane.ts';
 import type { PaneTool } from '../views/pointer.ts';
 
@@ -71,9 +72,18 @@ export class MarkerTool implements PaneTool {
     if (hit) this.set(pane, pointOf(hit, snap));
   }
 
+  /** Whether clicks set points. Elsewhere a person looks at the meshes, and a click there would move a point unseen. */
+  get setsPoints(): boolean {
+    return this.studio.panel.value === 'points';
+  }
+
   /** Sets the point of the selected pair, or begins a pair. One that was just made stays selected, and no click moves it. */
   set(pane: Pane, point: Point): void {
     const { markers, selected, fresh } = this.studio;
+    if (!this.setsPoints) {
+      notify('Clicks set points under Pairs.', 'A numbered point is dragged from everywhere.', 'info', 'points');
+      return;
+    }
     const pair = markers.pair(selected.peek());
     if (!pair || (fresh.peek()?.pair === pair.id && fresh.peek()?.complete)) {
       const [id] = markers.edit({ op: 'add', [pane.side]: point });

@@ -82,6 +82,15 @@ export function runReport(studio: Studio, show: (worst: Worst) => void): HTMLEle
     element.hidden = !job || job.state === 'running';
     if (job) fill(body, ...reportOf(job, show));
   });
+  // What a run found is seen without a search for it.
+  let seen: string | null = null;
+  effect(() => {
+    const job = last();
+    const state = job && `${job.id} ${job.state}`;
+    if (seen?.endsWith('running') && job && job.state !== 'running')
+      requestAnimationFrame(() => element.scrollIntoView());
+    seen = state;
+  });
   effect(() => {
     const job = last();
     old.hidden = job === null || job.state === 'running' || !studio.runs.isOutdated(job);

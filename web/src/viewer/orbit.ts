@@ -10,7 +10,8 @@ export interface Orbit {
 
 export const FIELD_OF_VIEW = 30;
 const MIN_DISTANCE = 0.02;
-const MAX_DISTANCE = 12;
+/** The farthest that an eye goes away, in diagonals of the mesh. */
+export const MAX_DISTANCE = 12;
 const MAX_PITCH = Math.PI / 2 - 0.001;
 
 export function wholeOrbit(): Orbit {

@@ -1,6 +1,7 @@
 import { Vector3 } from 'three';
 import { display } from '../app/display.ts';
-import { cloneOrbit, facing, type Orbit, pan, turnAbout, wholeOrbit, zoom } from '../viewer/orbit.ts';
+import { frameOf } from '../viewer/frame.ts';
+import { cloneOrbit, facing, MAX_DISTANCE, type Orbit, pan, turnAbout, wholeOrbit, zoom } from '../viewer/orbit.ts';
 import type { Viewer } from '../viewer/viewer.ts';
 import type { Pane } from './pane.ts';
 import type { PaneCamera } from './pointer.ts';
@@ -59,7 +60,7 @@ export class StageCamera implements PaneCamera {
     this.letGo();
     for (const pane of this.panes()) {
       const { orbit } = pane.view;
-      const goal: Orbit = { ...wholeOrbit(), yaw: yaw ?? orbit.yaw, pitch: pitch ?? orbit.pitch };
+      const goal: Orbit = { ...wholeOf(pane), yaw: yaw ?? orbit.yaw, pitch: pitch ?? orbit.pitch };
       pane.view.flyTo(goal, performance.now());
     }
     this.viewer.invalidate(true);
@@ -94,8 +95,15 @@ export class StageCamera implements PaneCamera {
   /** Linked panes that have no place to fly to see their whole mesh from the same side. */
   private follow({ yaw, pitch }: Orbit, places: Map<Pane, unknown>): void {
     for (const pane of this.panes()) {
-      if (!places.has(pane)) pane.view.flyTo({ ...wholeOrbit(), yaw, pitch }, performance.now());
+      if (!places.has(pane)) pane.view.flyTo({ ...wholeOf(pane), yaw, pitch }, performance.now());
     }
+  }
+
+  /** Other meshes are seen whole, from the usual side. */
+  reset(): void {
+    this.letGo();
+    for (const pane of this.panes()) pane.view.jumpTo(wholeOrbit());
+    this.viewer.invalidate(true);
   }
 
   /** The middle of the unit frame is that of the mesh. */
@@ -116,4 +124,14 @@ export class StageCamera implements PaneCamera {
     }
     this.viewer.invalidate(true);
   }
+}
+
+/** Sees all of the mesh as it is now: a pose may be larger than the rest, and elsewhere. */
+function wholeOf({ surface }: Pane): Orbit {
+  const orbit = wholeOrbit();
+  if (!surface) return orbit;
+  const { centre, diagonal } = frameOf(surface.positions, surface.frame.up);
+  orbit.target.copy(centre.applyMatrix4(surface.matrix));
+  orbit.distance = Math.min((orbit.distance * diagonal) / surface.frame.diagonal, MAX_DISTANCE);
+  return orbit;
 }

@@ -103,6 +103,7 @@ function hint(pane: Pane, studio: Studio): HTMLElement {
   const text = computed(() => {
     const pair = selected();
     if (studio.panel.value === 'paint') return '';
+    if (studio.panel.value !== 'points') return 'Drag a numbered point to move it · Clicks set points under Pairs';
     if (!pair) return 'Click to begin a pair';
     if (studio.fresh.value?.pair === pair.id && studio.fresh.value.complete)
       return `Click to begin the next pair · Drag to move ${pairTitle(pair)}`;
@@ -114,7 +115,8 @@ function hint(pane: Pane, studio: Studio): HTMLElement {
     element.title = text.value;
   });
   effect(() => {
-    element.classList.toggle('wanted', selected()?.[pane.side] === null);
+    const sets = studio.panel.value === 'points';
+    element.classList.toggle('wanted', sets && selected()?.[pane.side] === null);
   });
   return element;
 }

@@ -24,7 +24,8 @@ const LIGHT: Palette = {
 
 const DARK: Palette = {
   background: new Color('#17191d'),
-  line: new Color('#000000'),
+  // Lines that lie close must not turn the mesh into the background.
+  line: new Color('#6d7683'),
   gap: new Color('#353a41'),
   source: { colour: new Color('#aeb4bd'), hover },
   target: { colour: new Color('#bdb2a4'), hover },

@@ -45,6 +45,8 @@ export class Stage {
   private readonly moved = signal(0);
   private readonly ghosts = signal(0);
   private readonly made = new Map<Role, Pane>();
+  /** Which opening of files is shown. */
+  private opened: number | null = null;
 
   constructor(studio: Studio) {
     this.studio = studio;
@@ -132,6 +134,11 @@ export class Stage {
       else if (pane.surface?.rest !== meshes[pane.side].positions) {
         pane.show(meshes[pane.side], display.up[pane.side].value ?? session?.[pane.side]?.up ?? 'y');
       } else pane.surface.setUp(display.up[pane.side].value ?? session?.[pane.side]?.up ?? 'y');
+    }
+    // Another clip of the same files leaves the cameras where they are.
+    if (meshes && session && session.opened !== this.opened) {
+      if (this.opened !== null) this.camera.reset();
+      this.opened = session.opened;
     }
     this.surfaces.value = this.surfaces.peek() + 1;
     this.viewer.invalidate();
