@@ -71,7 +71,7 @@ test('a message that is cut or read stays until it is closed, and all can be rea
   await page.click('.view-bar [aria-label="Dismiss"]');
   assert.equal(await page.textContent(line), '');
   await tell(page, 'Another short one, with `code`.');
-  await page.click('.view-bar .notice-line button:has-text("Read")');
+  await page.click('.view-bar .notice-line button:has-text("In full")');
   await page.clock.runFor(20000);
   assert.ok(await page.isVisible('.view-bar .messages .notice'));
   assert.equal(await page.textContent('.view-bar .messages code'), 'code');
@@ -102,7 +102,7 @@ test('an error about the pipeline goes when the pipeline is another', { skip: !m
   await page.click('[aria-label="Undo"]');
   await page.waitForFunction(() => /^Undid/.test(document.querySelector('.view-bar .notice-text').textContent));
   assert.equal(await page.locator('.notice-line[data-level="error"]').count(), 0);
-  await page.click('.notice-line button:visible:has-text("Read")');
+  await page.click('.notice-line button:visible:has-text("In full")');
   assert.equal(await page.locator('.view-bar .messages .notice.error').count(), 0);
   await page.close();
   await own.close();

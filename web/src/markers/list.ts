@@ -181,6 +181,10 @@ class Row {
     this.badge.classList.toggle('hollow', pair.status === 'proposed');
     this.name.textContent = pairTitle(pair);
     fill(this.state, ...stateOf(pair));
+    this.state.title =
+      pair.status === 'proposed'
+        ? 'How alike the shapes around both points are. An unsure pair may well be right: look.'
+        : '';
     const sure = pair.status === 'proposed' ? (pair.confidence ?? 0) : null;
     this.meter.hidden = sure === null;
     if (sure !== null) this.meter.style.setProperty('--share', String(sure));

@@ -45,7 +45,7 @@ export function noticeLine(): HTMLElement {
   effect(() => {
     const [present, past] = [notices.value, earlier.value];
     more.hidden = present.length + past.length === 0;
-    more.textContent = present.length > 1 ? `All ${present.length}` : present.length === 1 ? 'Read' : 'Messages';
+    more.textContent = present.length > 1 ? `All ${present.length}` : present.length === 1 ? 'In full' : 'Messages';
     more.title = 'All messages, and those from before';
     fill(
       list,

@@ -103,6 +103,9 @@ function hint(pane: Pane, studio: Studio): HTMLElement {
   const text = computed(() => {
     const pair = selected();
     if (studio.panel.value === 'paint') return '';
+    const components = studio.session.value?.[pane.side]?.components.length ?? 0;
+    if (components > 0 && studio.hidden[pane.side].value.size >= components)
+      return 'All of it is hidden · U shows it again';
     if (studio.panel.value !== 'points') return 'Drag a numbered point to move it · Clicks set points under Pairs';
     if (!pair) return 'Click to begin a pair';
     if (studio.fresh.value?.pair === pair.id && studio.fresh.value.complete)
