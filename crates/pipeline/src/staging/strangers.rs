@@ -96,7 +96,7 @@ fn what_no_transaction_writes_is_left_alone_and_told() {
     for lines in [
         vec![two],
         vec![place(".mimesh-0123456789ab.journal")],
-        vec![place("..")],
+        vec![place("/")],
         vec![place("x"), out_of_range],
         vec![place("x"), json!({ "moves": "all" })],
     ] {
