@@ -83,6 +83,21 @@ fn what_cannot_be_printed_is_told() {
 }
 
 #[test]
+fn a_descriptor_that_is_open_for_reading_only_prints_nothing_and_is_told() {
+    let project = project();
+    let others: [&[&str]; 2] = [&["--help"], &["--version"]];
+    for arguments in COMMANDS.into_iter().chain(others) {
+        let reading = OpenOptions::new().read(true).open("/dev/null").expect("/dev/null");
+        let (status, stderr) = status(project.command(arguments), reading.into());
+        assert_eq!(status, 73, "{arguments:?}: {stderr}");
+        assert!(stderr.contains("standard output: it is not open for writing"), "{arguments:?}: {stderr}");
+    }
+    // Who prints nothing needs no stdout.
+    let reading = OpenOptions::new().read(true).open("/dev/null").expect("/dev/null");
+    assert_eq!(status(project.command(&["run", "p.yaml", "--quiet"]), reading.into()).0, 0);
+}
+
+#[test]
 fn a_reader_that_has_gone_is_no_error() {
     let project = project();
     for arguments in COMMANDS {

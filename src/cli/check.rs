@@ -125,7 +125,10 @@ fn truth_files(run: &Prepared) -> impl Iterator<Item = &PathBuf> {
 /// The warnings of all runs, without repetitions.
 pub(super) fn warnings(all: &[Prepared]) -> Vec<&String> {
     let mut seen = HashSet::new();
-    all.iter().flat_map(|run| &run.warnings).filter(|warning| seen.insert(*warning)).collect()
+    all.iter()
+        .flat_map(|run| run.warnings.iter().chain(&run.unfinished))
+        .filter(|warning| seen.insert(*warning))
+        .collect()
 }
 
 /// What was chosen for a run, after a line of its own; nothing where nothing was.

@@ -20,7 +20,14 @@ use {
     mimesh_pipeline::{Options, PreparedSource, key_points, staging},
 };
 
-use crate::cli::{CommandResult, cache::CacheOptions, out_file::OutFile, progress::ShareBar, status::Status, terminal};
+use crate::cli::{
+    CommandResult,
+    cache::CacheOptions,
+    out_file::{OutFile, write_all},
+    progress::ShareBar,
+    status::Status,
+    terminal,
+};
 
 /// Chooses the few points of the source that describe its poses best, and writes them as markers to complete.
 ///
@@ -72,6 +79,7 @@ impl KeyPoints {
         let prepared = pipeline::prepare_source(&self.pipeline, &options, self.cache.open()?.as_ref())?;
         let output = self.output_file(&prepared);
         let previous = self.previous_markers(&output)?;
+        self.check_output(&prepared, &output)?;
         self.check_curve(&prepared, &output)?;
 
         static INTERRUPTED: AtomicBool = AtomicBool::new(false);
@@ -93,7 +101,7 @@ impl KeyPoints {
         let curve = key_points::curve(&chosen.steps);
         let mut files = vec![(&*output, text.as_bytes())];
         files.extend(self.curve.as_deref().map(|path| (path, curve.as_bytes())));
-        let written = staging::write_all(&files)?;
+        let written = write_all(&files)?;
         let open = file.pairs.iter().filter(|pair| pair.target.is_none()).count();
         if self.json {
             let steps: Vec<_> = chosen
@@ -117,7 +125,7 @@ impl KeyPoints {
             let (count, seconds) = (chosen.points.len(), started.elapsed().as_secs_f64());
             let mut text = format!("{count} key points{error}, {seconds:.1} s\n");
             for file in &written {
-                text.push_str(&format!("written: {}\n", file.path.display()));
+                text.push_str(&format!("written: {}\n", file.display()));
             }
             if open > 0 {
                 text.push_str(&format!(
@@ -133,6 +141,14 @@ impl KeyPoints {
     fn output_file(&self, prepared: &PreparedSource) -> PathBuf {
         let of_pipeline = || prepared.markers.clone().filter(|path| is_yaml(path));
         self.output.clone().or_else(of_pipeline).unwrap_or_else(|| self.pipeline.with_extension("markers.yaml"))
+    }
+
+    /// Checks that the markers replace none of the pipeline's files but its markers.
+    fn check_output(&self, prepared: &PreparedSource, output: &Path) -> Result<()> {
+        let is_markers = |file: &&Path| prepared.markers.as_deref() == Some(*file);
+        let inputs = prepared.inputs.iter().map(|input| &*input.path).filter(|file| !is_markers(file));
+        let output = OutFile { option: "--output", file: output };
+        output.check_is_none_of(inputs.chain([&*self.pipeline]), "the pipeline reads this file")
     }
 
     /// Checks that `--curve` names an SVG file that is neither read nor taken by the markers.

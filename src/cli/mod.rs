@@ -29,6 +29,7 @@ mod saved_pipeline;
 mod schema;
 mod score;
 mod show;
+mod signals;
 mod status;
 #[cfg(feature = "studio")]
 mod studio;
@@ -108,6 +109,7 @@ fn not_unicode() -> Diagnostic {
 /// A program with its own stages calls this function too. It gets every command, and its own stages beside the
 /// bundled ones.
 pub fn main() -> ExitCode {
+    signals::hold_file_size_limit();
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
         Err(error) if error.kind() == ErrorKind::InvalidUtf8 => {

@@ -1,11 +1,25 @@
 //! A file that an option names for a command to write.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use mimesh_document::{
     diagnostic::{Diagnostic, Kind, Location, Result},
     paths,
 };
+use mimesh_pipeline::staging;
+
+use crate::cli::terminal;
+
+/// Writes whole files together, and shows what others had left there; the paths of the files.
+///
+/// # Errors
+///
+/// Those of [`staging::write_all`].
+pub fn write_all(files: &[(&Path, &[u8])]) -> Result<Vec<PathBuf>> {
+    let written = staging::write_all(files)?;
+    written.warnings.iter().for_each(|warning| terminal::warn(warning));
+    Ok(written.files.into_iter().map(|file| file.path).collect())
+}
 
 /// A file to write, with the option that names it, e.g. `--out`.
 #[derive(Clone, Copy, Debug)]

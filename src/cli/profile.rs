@@ -13,7 +13,7 @@ use mimesh_pipeline::{
 use tracing::subscriber::set_global_default;
 use tracing_subscriber::{Registry, layer::SubscriberExt};
 
-use crate::cli::out_file::OutFile;
+use crate::cli::{out_file::OutFile, terminal};
 
 /// The option.
 const OPTION: &str = "--profile";
@@ -76,6 +76,7 @@ impl Profiler {
         let failed = |error| Error::write(file, error);
         let transaction = Transaction::begin([file])?;
         let staged = transaction.stage(file, |out| self.profile.write_trace(out).map_err(failed))?;
+        transaction.warnings().iter().for_each(|warning| terminal::warn(warning));
         transaction.commit(vec![staged])?;
         Ok(text_of(&self.profile.rows(), file))
     }

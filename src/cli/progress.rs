@@ -10,7 +10,7 @@ use std::{
 use indicatif::{ProgressBar, ProgressState, ProgressStyle};
 use mimesh_pipeline::{Progress, progress::TimeLeft, text};
 
-use crate::cli::terminal::is_interactive;
+use crate::cli::terminal::{self, is_interactive};
 
 /// The shortest time between two plain lines on what is under way.
 const PLAIN_INTERVAL: Duration = Duration::from_secs(10);
@@ -19,7 +19,14 @@ const PLAIN_INTERVAL: Duration = Duration::from_secs(10);
 const WHOLE: u64 = 1000;
 
 /// Shows the progress of a run.
-pub enum TerminalProgress {
+pub struct TerminalProgress {
+    style: Style,
+    /// The warnings that were shown.
+    warned: Mutex<Vec<String>>,
+}
+
+/// How progress is shown.
+enum Style {
     /// Draws a bar, on a terminal.
     Bar(ShareBar),
     /// Prints lines, where there is no terminal.
@@ -43,18 +50,24 @@ pub struct Plain {
 impl TerminalProgress {
     /// Creates the kind that fits stderr.
     pub fn new(quiet: bool) -> Self {
-        if quiet {
-            Self::Silent
+        let style = if quiet {
+            Style::Silent
         } else if is_interactive() {
-            Self::Bar(ShareBar::new())
+            Style::Bar(ShareBar::new())
         } else {
-            Self::Plain(Mutex::new(Plain { stage: String::new(), count: 0, done: 0, last_line: Instant::now() }))
-        }
+            Style::Plain(Mutex::new(Plain { stage: String::new(), count: 0, done: 0, last_line: Instant::now() }))
+        };
+        Self { style, warned: Mutex::default() }
+    }
+
+    /// The warnings that were shown so far.
+    pub fn warned(&self) -> Vec<String> {
+        self.warned.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
     /// Removes the bar from the terminal.
     pub fn finish(&self) {
-        if let Self::Bar(bar) = self {
+        if let Style::Bar(bar) = &self.style {
             bar.finish();
         }
     }
@@ -62,47 +75,47 @@ impl TerminalProgress {
 
 impl Progress for TerminalProgress {
     fn stage(&self, name: &str) {
-        match self {
-            Self::Bar(bar) => bar.begin(name),
-            Self::Plain(plain) => {
+        match &self.style {
+            Style::Bar(bar) => bar.begin(name),
+            Style::Plain(plain) => {
                 print_line(name);
                 if let Ok(mut plain) = plain.lock() {
                     *plain = Plain { stage: name.into(), count: 0, done: 0, last_line: Instant::now() };
                 }
             }
-            Self::Silent => {}
+            Style::Silent => {}
         }
     }
 
     fn done(&self, share: f64) {
-        match self {
-            Self::Bar(bar) => bar.done(share),
-            Self::Plain(plain) => {
+        match &self.style {
+            Style::Bar(bar) => bar.done(share),
+            Style::Plain(plain) => {
                 if let Ok(mut plain) = plain.lock() {
                     plain.line(|plain| format!("{}: {:.0} %", plain.stage, 100.0 * share));
                 }
             }
-            Self::Silent => {}
+            Style::Silent => {}
         }
     }
 
     fn poses(&self, count: usize) {
-        match self {
-            Self::Bar(bar) => bar.begin_items("poses", count),
-            Self::Plain(plain) => {
+        match &self.style {
+            Style::Bar(bar) => bar.begin_items("poses", count),
+            Style::Plain(plain) => {
                 print_line(&format!("poses (0 of {count})"));
                 if let Ok(mut plain) = plain.lock() {
                     *plain = Plain { stage: "poses".into(), count, done: 0, last_line: Instant::now() };
                 }
             }
-            Self::Silent => {}
+            Style::Silent => {}
         }
     }
 
     fn pose_done(&self) {
-        match self {
-            Self::Bar(bar) => bar.item_done(),
-            Self::Plain(plain) => {
+        match &self.style {
+            Style::Bar(bar) => bar.item_done(),
+            Style::Plain(plain) => {
                 if let Ok(mut plain) = plain.lock() {
                     plain.done += 1;
                     if plain.done < plain.count {
@@ -110,8 +123,17 @@ impl Progress for TerminalProgress {
                     }
                 }
             }
-            Self::Silent => {}
+            Style::Silent => {}
         }
+    }
+
+    fn warning(&self, text: &str) {
+        match &self.style {
+            Style::Bar(bar) => bar.bar.suspend(|| terminal::warn(text)),
+            Style::Plain(_) => terminal::warn(text),
+            Style::Silent => return,
+        }
+        self.warned.lock().unwrap_or_else(PoisonError::into_inner).push(text.into());
     }
 }
 

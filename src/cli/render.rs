@@ -18,7 +18,6 @@ use mimesh_pipeline::{
     metrics::point_error,
     pictures::{self, Camera},
     spec::{PictureSettings, Up, ViewFrom},
-    staging,
     text::{bytes, count},
 };
 use mimesh_render::{Cell, colour::STEEL, sheet};
@@ -28,7 +27,7 @@ use rayon::prelude::*;
 use crate::cli::{
     CommandResult,
     choice::choice,
-    out_file::OutFile,
+    out_file::{OutFile, write_all},
     posed_meshes::{PosedMesh, read_all},
     status::Status,
     terminal,
@@ -110,7 +109,7 @@ impl Render {
         let columns = self.columns.unwrap_or_else(|| (meshes.len() as f64).sqrt().ceil() as u32).max(1);
         let rows: Vec<Vec<Cell>> = cells.chunks(columns as usize).map(<[Cell]>::to_vec).collect();
         let png = sheet("", &rows).png();
-        staging::write(&self.out, &png)?;
+        write_all(&[(&self.out, &png)])?;
         let meshes = count(meshes.len(), "mesh", "meshes");
         terminal::print(&format!("{} of {meshes}, {}\n", self.out.display(), bytes(png.len() as u64)));
         Ok(Status::Done)

@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use mimesh_document::diagnostic::{Kind, Result};
-use mimesh_pipeline::{Prepared, report::Results, staging};
+use mimesh_pipeline::{Prepared, report::Results};
 
-use crate::cli::out_file::OutFile;
+use crate::cli::out_file::{OutFile, write_all};
 
 /// The file for the table of results.
 pub struct ResultsFile<'a> {
@@ -51,7 +51,7 @@ impl<'a> ResultsFile<'a> {
     ///
     /// A diagnostic if the file cannot be written.
     pub fn write(&self, results: &Results) -> Result<()> {
-        staging::write(self.file.file, (self.format)(results).as_bytes())?;
+        write_all(&[(self.file.file, (self.format)(results).as_bytes())])?;
         Ok(())
     }
 }

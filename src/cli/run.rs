@@ -170,6 +170,7 @@ impl Execution {
             self.warn(&prepared.warnings, &mut shown_warnings);
             let finished = self.run_one(prepared, cache, &progress);
             progress.finish();
+            shown_warnings.extend(progress.warned());
             let outcome = match finished {
                 Ok(finished) => self.report(finished, &mut shown_warnings),
                 // A single run that fails is the failure of the command.

@@ -1,14 +1,11 @@
 //! The file that takes a pipeline with every choice spelled out.
 
-use std::{fs, path::Path};
+use std::path::Path;
 
-use mimesh_document::{
-    diagnostic::{Diagnostic, Kind, Location, Result},
-    files::io_message,
-};
+use mimesh_document::diagnostic::{Kind, Result};
 use mimesh_pipeline::{Prepared, spelled_out::spelled_out};
 
-use crate::cli::out_file::OutFile;
+use crate::cli::out_file::{OutFile, write_all};
 
 /// What a pipeline's file may end in.
 const EXTENSIONS: [&str; 2] = ["yaml", "yml"];
@@ -66,13 +63,10 @@ impl<'a> SavedPipeline<'a> {
             return Err(self.file.diagnostic(Kind::Usage, message).hint(hint).into());
         };
         let file = self.file.file;
-        let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty());
+        let inputs = one.inputs.iter().map(|input| &*input.path);
+        self.file.check_is_none_of(inputs.chain(one.outputs.files()), "the run reads or writes this file")?;
         let name = file.file_name().unwrap_or_default().to_string_lossy();
         let text = format!("# mimesh run {name}\n\n{}", spelled_out(one, file));
-        let written = folder.map_or(Ok(()), fs::create_dir_all).and_then(|()| fs::write(file, text));
-        written.map_err(|error| {
-            let diagnostic = Diagnostic::new(Kind::CannotWrite, io_message("write", &error));
-            diagnostic.at(Location::File(file.into())).hint("choose another folder").into()
-        })
+        write_all(&[(file, text.as_bytes())]).map(drop)
     }
 }

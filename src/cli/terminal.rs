@@ -27,6 +27,7 @@ pub fn print(text: &str) {
 
 /// Keeps the failure of printing to stdout, if it is one.
 pub fn note(printed: io::Result<()>) {
+    let printed = printed.and_then(|()| check_stdout());
     if let Err(error) = printed.as_ref()
         && error.kind() != io::ErrorKind::BrokenPipe
     {
@@ -35,6 +36,27 @@ pub fn note(printed: io::Result<()>) {
         let first = if is_full { "free some space, or send" } else { "send" };
         keep(diagnostic.hint(format!("{first} it elsewhere: `mimesh … > FILE`")));
     }
+}
+
+/// Checks that stdout takes what is written, as a descriptor that is open for reading does not (`1< FILE`): Rust takes that for success.
+///
+/// A descriptor that is closed (`>&-`) cannot be told from `/dev/null`: before `main` Rust opens that in its place.
+#[cfg(unix)]
+fn check_stdout() -> io::Result<()> {
+    use std::{fs::File, os::fd::AsFd};
+    let mut stdout = File::from(io::stdout().as_fd().try_clone_to_owned()?);
+    stdout.write(&[]).map(drop).map_err(|error| match error.raw_os_error() {
+        Some(number) if number == nix::errno::Errno::EBADF as i32 => {
+            io::Error::new(io::ErrorKind::InvalidInput, "it is not open for writing")
+        }
+        _ => error,
+    })
+}
+
+/// Elsewhere such descriptors are not known.
+#[cfg(not(unix))]
+fn check_stdout() -> io::Result<()> {
+    Ok(())
 }
 
 fn keep(diagnostic: Diagnostic) {

@@ -7,6 +7,7 @@ use crate::cli::{
     mesh_pair::{MeshPair, in_arguments},
     run::Execution,
     saved_pipeline::SavedPipeline,
+    terminal,
 };
 
 /// Gives the poses of one mesh to another; all that is not said is chosen by the meshes.
@@ -43,6 +44,8 @@ impl TransferCommand {
         let mut profiler = self.execution.profiler()?;
         let all = self.meshes.prepare(cache.as_ref())?;
         if !self.force {
+            // What is there may be a part of a run that was stopped.
+            all.iter().flat_map(|run| &run.unfinished).for_each(|warning| terminal::warn(warning));
             self.meshes.check_is_new(&all)?;
         }
         if let Some(saved) = &saved {

@@ -4,7 +4,10 @@
 #[path = "../common/mod.rs"]
 mod common;
 mod disks;
+mod inputs;
 mod kills;
 mod places;
 mod sets;
+mod stopped;
+mod strangers;
 mod together;

@@ -37,10 +37,18 @@ pub fn stem(path: &Path) -> String {
     path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }
 
+/// Links in a row that are followed, as Linux does.
+const MAX_LINKS: usize = 40;
+
 /// A form of `path` by which two names of one file are seen to be equal.
 ///
-/// Existing files are compared as the system sees them, through links; others by their folder's and their own name.
+/// Existing files are compared as the system sees them, through links; others by their folder's and their own name. A link to a file
+/// that is yet to be made stands for that file.
 pub fn identity(path: &Path) -> PathBuf {
+    identity_through(path, MAX_LINKS)
+}
+
+fn identity_through(path: &Path, links: usize) -> PathBuf {
     // No file has such a path, and its folders are too many to go through.
     if path.as_os_str().len() > MAX_STRING_BYTES {
         return path.into();
@@ -49,6 +57,12 @@ pub fn identity(path: &Path) -> PathBuf {
         return path;
     }
     let folder = || path.parent().map(|folder| if folder.as_os_str().is_empty() { Path::new(".") } else { folder });
+    if links > 0
+        && let Ok(aim) = path.read_link()
+    {
+        return identity_through(&folder().unwrap_or(Path::new("")).join(aim), links - 1);
+    }
+    let identity = |folder| identity_through(folder, links);
     match (path.components().next_back(), folder()) {
         (Some(Component::Normal(name)), Some(folder)) => identity(folder).join(name),
         // From a folder that is yet to be made, `..` leads back to where it will be.
@@ -119,6 +133,19 @@ mod tests {
         let at = |path: &str| identity(&folder.path().join(path));
         assert_eq!(at("new/../out/x.obj"), at("out/x.obj"));
         assert_eq!(at("out/../out/../x.obj"), at("x.obj"));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_to_a_file_that_is_yet_to_be_made_are_that_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |path: &str| folder.path().join(path);
+        for (link, aim) in [("a", "new.obj"), ("b", "./a"), ("loop", "loop")] {
+            std::os::unix::fs::symlink(aim, at(link)).unwrap();
+        }
+        assert_eq!(identity(&at("a")), identity(&at("new.obj")));
+        assert_eq!(identity(&at("b")), identity(&at("a")));
+        assert!(identity(&at("loop")).ends_with("loop"));
     }
 
     #[cfg(unix)]

@@ -116,7 +116,7 @@ impl Plan {
         let mut steps: Vec<_> =
             stages(prepared).into_iter().map(|(stage, name)| step(stage, name, Action::Run, reason)).collect();
         steps.push(PlannedStep { runs: all, of: all, ..step("poses", "", Action::Run, reason) });
-        Self { steps, choices: prepared.choices.clone(), warnings: prepared.warnings.clone(), cached: None }
+        Self { steps, choices: prepared.choices.clone(), warnings: warnings(prepared), cached: None }
     }
 
     fn with_cache(prepared: &Prepared, cache: &Cache) -> Self {
@@ -127,7 +127,7 @@ impl Plan {
             .map(|(stage, name)| planned(stage, name, prepared, cache, &cached, &last_run))
             .collect();
         steps.push(planned_poses(prepared.poses.len(), &cached));
-        Self { steps, choices: prepared.choices.clone(), warnings: prepared.warnings.clone(), cached: Some(cached) }
+        Self { steps, choices: prepared.choices.clone(), warnings: warnings(prepared), cached: Some(cached) }
     }
 }
 
@@ -208,6 +208,11 @@ fn reason(last_run: &LastRun, stage: &str, key: &StageKey) -> String {
         Change::Gone => "its result is no longer cached".into(),
         Change::Changed(inputs) => format!("changed since the last run: {}", inputs.join("; ")),
     }
+}
+
+/// What is worth knowing before a run of `prepared`.
+fn warnings(prepared: &Prepared) -> Vec<String> {
+    prepared.warnings.iter().chain(&prepared.unfinished).cloned().collect()
 }
 
 #[cfg(test)]

@@ -15,6 +15,9 @@ pub trait Progress: Sync {
 
     /// A pose is done, or has failed.
     fn pose_done(&self) {}
+
+    /// Something was done that the user has to know even if the run fails; a run that gives results has it among its warnings too.
+    fn warning(&self, _text: &str) {}
 }
 
 /// Passes on shares that are done, unless more was done before.

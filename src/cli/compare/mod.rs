@@ -11,12 +11,17 @@ use std::path::PathBuf;
 use mimesh_document::diagnostic::Result;
 use mimesh_pipeline::{
     page::{self, ComparedRun},
-    staging,
     text::{number, seconds, table},
 };
 use serde_json::{Value, json};
 
-use crate::cli::{CommandResult, out_file::OutFile, roots::Roots, status::Status, terminal};
+use crate::cli::{
+    CommandResult,
+    out_file::{OutFile, write_all},
+    roots::Roots,
+    status::Status,
+    terminal,
+};
 use written_files::WrittenFiles;
 
 /// Compares runs: statistics, curves and pictures.
@@ -63,7 +68,7 @@ impl Compare {
                 run.pictures = pictures;
             }
             let page = page::compare("Comparison of runs", &runs);
-            staging::write(out.file, page.as_bytes())?;
+            write_all(&[(out.file, page.as_bytes())])?;
         }
         if self.json {
             terminal::print_json(&as_json(&files, &runs));

@@ -21,10 +21,14 @@ use mimesh_pipeline::{
     Formats, Options,
     check::in_file,
     input::{Meshes, RestMesh},
-    prepare_meshes, staging,
+    prepare_meshes,
 };
 
-use crate::cli::{CommandResult, terminal};
+use crate::cli::{
+    CommandResult,
+    out_file::{OutFile, write_all},
+    terminal,
+};
 
 /// Proposes markers by shape, converts them, completes them across a plane of symmetry, and carries them to edited meshes.
 #[derive(Debug, clap::Args)]
@@ -130,7 +134,12 @@ impl Common {
     /// Writes `markers`, shows the warnings, and gives the paths of the written files.
     fn write(&self, loaded: &Loaded, markers: &MarkerFile) -> Result<Vec<PathBuf>> {
         let Exported { files, warnings } = export(markers, &loaded.out, loaded.meshes())?;
+        let meshes = loaded.mesh_files().into_iter().flatten();
+        let read: Vec<&Path> = meshes.chain(self.pipeline.as_deref()).collect();
         for (path, _) in &files {
+            // Only markers are replaced by markers, whatever the flags.
+            let out = OutFile { option: "OUT", file: path };
+            out.check_is_none_of(read.iter().copied(), "the command reads meshes or a pipeline from this file")?;
             if path.exists() && !self.force {
                 let diagnostic = Diagnostic::new(Kind::CannotWrite, "the file is there already");
                 return Err(diagnostic.at(Location::File(path.clone())).hint("`--force` replaces it").into());
@@ -138,8 +147,7 @@ impl Common {
         }
         warnings.iter().for_each(|warning| terminal::warn(warning));
         let contents: Vec<_> = files.iter().map(|(path, text)| (&**path, text.as_bytes())).collect();
-        let written = staging::write_all(&contents)?;
-        Ok(written.into_iter().map(|file| file.path).collect())
+        write_all(&contents)
     }
 }
 

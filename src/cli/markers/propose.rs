@@ -15,7 +15,6 @@ use mimesh_pipeline::{
     pictures, prepare_meshes,
     propose::{as_file, propose},
     spec::{PictureSettings, Up, ViewFrom},
-    staging,
     text::{count, table},
 };
 use mimesh_render::{
@@ -29,7 +28,7 @@ use crate::cli::{
     CommandResult,
     choice::choice,
     markers::{read_mesh, written_lines},
-    out_file::OutFile,
+    out_file::{OutFile, write_all},
     roots::Roots,
     status::Status,
     terminal,
@@ -155,6 +154,15 @@ impl Propose {
             file.map_or(Ok(()), |file| self.check(OutFile { option, file }, endings))?;
         }
         let (meshes, stage) = self.meshes.read()?;
+        let read: Vec<&Path> = [&meshes.source.path, &meshes.target.path, &self.meshes.pipeline]
+            .into_iter()
+            .filter_map(|file| file.as_deref())
+            .collect();
+        for (option, file) in [("--output", self.output.as_deref()), ("--picture", picture.as_deref())] {
+            // Only markers are replaced by markers, whatever the flags.
+            let message = "the command reads meshes or a pipeline from this file";
+            file.map_or(Ok(()), |file| OutFile { option, file }.check_is_none_of(read.iter().copied(), message))?;
+        }
         let clicks = confirmed(&meshes, &self.meshes.formats())?;
         let sides = [&meshes.source, &meshes.target];
         let proposal = propose(stage.as_ref(), sides, &clicks, self.meshes.allow_commands(), Work::UNWATCHED)?;
@@ -168,7 +176,7 @@ impl Propose {
             contents.push((picture, drawn(&proposal, &meshes, self.up)));
         }
         let contents: Vec<_> = contents.iter().map(|(path, bytes)| (*path, &**bytes)).collect();
-        let written: Vec<PathBuf> = staging::write_all(&contents)?.into_iter().map(|file| file.path).collect();
+        let written = write_all(&contents)?;
         if self.json {
             terminal::print_json(&json!({
                 "pairs": proposal.pairs, "figures": proposal.figures, "clicks": clicks.len(), "written": terminal::all_shown(&written),

@@ -8,7 +8,7 @@ use serde::Deserialize;
 
 use crate::{
     input::Prepared,
-    staging::{Interrupted, interrupted},
+    staging::{Interrupted, survey},
 };
 
 /// Finds a file in the place of the report that is no report: nobody expects that a run takes its name.
@@ -34,11 +34,13 @@ fn is_report(file: &Path) -> bool {
     File::open(file).is_ok_and(|file| serde_json::from_reader::<_, Head>(BufReader::new(file)).is_ok())
 }
 
-/// Warns of runs that were stopped, or are under way, where this one writes.
-pub(super) fn warn_of_interrupted(run: &mut Prepared) {
-    for (file, state) in interrupted(run.outputs.files()) {
+/// Notes what others have left where the run writes; diagnostics of what keeps it from writing there.
+pub(super) fn look_around(run: &mut Prepared) -> Vec<Diagnostic> {
+    let found = survey(run.outputs.files());
+    run.unfinished = found.warnings;
+    for (file, state) in found.interrupted {
         let file = file.display();
-        run.warnings.push(match state {
+        run.unfinished.push(match state {
             Interrupted::Alive => format!("{file}: another process is writing this file now; `run` refuses until it has ended"),
             Interrupted::Writing => {
                 format!("{file}: a run was stopped before its results were complete; the next run removes what it left")
@@ -47,6 +49,10 @@ pub(super) fn warn_of_interrupted(run: &mut Prepared) {
                 "{file}: a run was stopped when {moved} of its {of} results were in place, so the files are of two runs; \
                  the next run puts that right first"
             ),
+            Interrupted::Ended => {
+                format!("{file}: a run was stopped when its results were in order; the next run removes its temporary files")
+            }
         });
     }
+    found.refused
 }

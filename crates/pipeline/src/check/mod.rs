@@ -1,5 +1,6 @@
 //! Everything that can be found wrong with a pipeline before computing, all at once; what remains is ready to run.
 
+mod capitals;
 mod common;
 mod earlier;
 mod file_names;

@@ -14,7 +14,7 @@ use tracing::info_span;
 
 use super::{
     common::{Options, check_formats, check_registry, pipeline_files, refused_without_reason},
-    earlier::{foreign_report, warn_of_interrupted},
+    earlier::{foreign_report, look_around},
     findings::{Findings, Scope},
     ground_truth::ground_truth,
     markers::{clicks, markers},
@@ -96,9 +96,9 @@ fn prepare_runs(
         name_reports(&mut prepared);
         collected.add_whole(conflict(&prepared));
         collected.add_whole(prepared.iter().filter_map(foreign_report));
+        collected.add_whole(prepared.iter_mut().flat_map(look_around));
     }
     collected.finish(file)?;
-    prepared.iter_mut().for_each(warn_of_interrupted);
     // Warnings of the file as a whole are those of its first run.
     if let Some(first) = prepared.first_mut() {
         first.warnings.splice(0..0, warnings);
@@ -219,6 +219,7 @@ fn prepare_one(
         set: options.settings.clone(),
         inputs: found.inputs,
         warnings: found.warnings,
+        unfinished: vec![],
         choices: in_order(found.choices),
         hashes: shared.hashes.clone(),
         reading,

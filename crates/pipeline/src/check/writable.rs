@@ -10,6 +10,7 @@ use mimesh_document::{At, Diagnostic, Kind, Location, Step, paths::identity};
 use mimesh_markers::OTHER_OUTPUT_FOLDER;
 
 use super::{
+    capitals::{Capitals, existing_folder},
     file_names::too_long,
     findings::{Findings, Scope},
 };
@@ -38,6 +39,10 @@ pub(super) struct WritableFiles<'a> {
     inputs: HashMap<PathBuf, &'static str>,
     /// The outputs so far.
     outputs: HashSet<PathBuf>,
+    /// Inputs that have other names (hard links), by what the system numbers them.
+    linked: HashMap<FileNumber, (PathBuf, &'static str)>,
+    /// The inputs and outputs so far, for folders that ignore capitals.
+    capitals: Capitals,
     /// Folders, and why no files can be made in them.
     folders: HashMap<PathBuf, Option<String>>,
     /// The folder for results that was given beside the file.
@@ -47,8 +52,12 @@ pub(super) struct WritableFiles<'a> {
 impl<'a> WritableFiles<'a> {
     /// No outputs yet, beside `inputs`.
     pub fn new(inputs: &[InputFile], out: Option<&Destination<'a>>) -> Self {
-        let inputs = inputs.iter().map(|input| (identity(&input.path), input.role)).collect();
-        Self { inputs, given: out.map(|out| out.given), ..Self::default() }
+        let linked = |input: &InputFile| Some((linked_number(&input.path)?, (input.path.clone(), input.role)));
+        let linked = inputs.iter().filter_map(linked).collect();
+        let inputs: HashMap<_, _> = inputs.iter().map(|input| (identity(&input.path), input.role)).collect();
+        let mut capitals = Capitals::default();
+        inputs.keys().for_each(|input| _ = capitals.add(input));
+        Self { inputs, linked, capitals, given: out.map(|out| out.given), ..Self::default() }
     }
 
     /// Adds `file`, which is named at `at`; `false`, and a diagnostic, if it cannot be written without harm.
@@ -85,9 +94,14 @@ impl<'a> WritableFiles<'a> {
             return Some(of_file(message).hint("write into a folder that lies less deep"));
         }
         let identity = identity(file);
-        if let Some(role) = self.inputs.get(&identity) {
+        let twin = self.capitals.add(&identity);
+        if let Some(role) = self.inputs.get(twin.as_ref().unwrap_or(&identity)) {
             let diagnostic = of_file(format!("{shown} would overwrite an input ({role})"));
             return Some(self.elsewhere(diagnostic, at));
+        }
+        if let Some((input, role)) = linked_number(file).and_then(|number| self.linked.get(&number)) {
+            let message = format!("{shown} is another name (hard link) of an input, {} ({role})", input.display());
+            return Some(self.elsewhere(of_file(message), at));
         }
         if let Some(kind) = not_a_file(file) {
             return Some(self.blocked(scope, format!("cannot write {shown}: there is {kind} of that name"), at));
@@ -96,14 +110,14 @@ impl<'a> WritableFiles<'a> {
             let message = format!("cannot write {shown}: {} is not a folder", folder.display());
             return Some(self.blocked(scope, message, at));
         }
-        if !self.outputs.insert(identity) {
+        if twin.is_some() || !self.outputs.insert(identity) {
             let hint = match self.given {
                 Some(_) => "all results go into one folder; give each output its own name",
                 None => "give each output its own name; poses are told apart by `{pose}`",
             };
             return Some(of_file(format!("{shown} would be written twice")).hint(hint));
         }
-        let problem = self.refusal(folder)?;
+        let problem = self.refusal(folder).or_else(|| not_ours(file, folder))?;
         Some(self.blocked(scope, format!("cannot write {shown}: {problem}"), at))
     }
 
@@ -132,8 +146,13 @@ impl<'a> WritableFiles<'a> {
     /// Why no new file can be made in `folder`, if so: found by making one without a name, which leaves no trace.
     fn refusal(&mut self, folder: &Path) -> Option<String> {
         let found = self.folders.entry(folder.into()).or_insert_with(|| {
-            let error = tempfile::tempfile_in(folder).err()?;
+            // Who cannot look into the folder cannot see whether somebody else writes there.
+            let looked = folder.read_dir().map(drop);
+            let error = looked.and_then(|()| tempfile::tempfile_in(folder).map(drop)).err()?;
             Some(match error.kind() {
+                ErrorKind::PermissionDenied if folder.read_dir().is_err() => {
+                    format!("no permission to look into {}", folder.display())
+                }
                 ErrorKind::PermissionDenied => format!("no permission to make files in {}", folder.display()),
                 ErrorKind::ReadOnlyFilesystem => format!("the disk of {} is read-only", folder.display()),
                 _ => format!("no files can be made in {}", folder.display()),
@@ -143,14 +162,49 @@ impl<'a> WritableFiles<'a> {
     }
 }
 
-/// The nearest folder around `file` that exists.
-fn existing_folder(file: &Path) -> &Path {
-    // A link that leads nowhere is there too.
-    let exists = |folder: &&Path| folder.as_os_str().is_empty() || folder.symlink_metadata().is_ok();
-    match file.ancestors().skip(1).find(exists) {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
+/// The device and the number that the system gives a file.
+type FileNumber = (u64, u64);
+
+/// The number of the file at `path`, if it has several names (hard links).
+#[cfg(unix)]
+fn linked_number(path: &Path) -> Option<FileNumber> {
+    use std::os::unix::fs::MetadataExt;
+    let found = path.metadata().ok()?;
+    (found.is_file() && found.nlink() > 1).then(|| (found.dev(), found.ino()))
+}
+
+/// Elsewhere a file that is replaced under one name stays under its others, and nothing tells them.
+#[cfg(not(unix))]
+fn linked_number(_: &Path) -> Option<FileNumber> {
+    None
+}
+
+/// Why `file`, which is there, cannot be replaced although its folder takes new files, if so: in a folder like `/tmp` everybody replaces
+/// files of their own only.
+#[cfg(unix)]
+fn not_ours(file: &Path, folder: &Path) -> Option<String> {
+    use std::os::unix::fs::MetadataExt;
+    const STICKY: u32 = 0o1000;
+    const SUPERUSER: u32 = 0;
+    let (found, around) = (file.symlink_metadata().ok()?, folder.metadata().ok()?);
+    if around.mode() & STICKY == 0 {
+        return None;
     }
+    let ours = tempfile::tempfile_in(folder).ok()?.metadata().ok()?.uid();
+    let may = ours == SUPERUSER || ours == found.uid() || ours == around.uid();
+    (!may).then(|| {
+        format!(
+            "it belongs to another user (number {}), and in {} only its owner replaces a file",
+            found.uid(),
+            folder.display()
+        )
+    })
+}
+
+/// Elsewhere folders have no such rule.
+#[cfg(not(unix))]
+fn not_ours(_: &Path, _: &Path) -> Option<String> {
+    None
 }
 
 /// Gives runs that write into one folder reports of their own names.

@@ -75,6 +75,8 @@ pub struct Prepared {
     pub document: Document,
     /// Sentences about what looks wrong or was left out.
     pub warnings: Vec<String>,
+    /// Sentences about what other runs have left, or do, where this one writes. The run says itself what has become of it.
+    pub unfinished: Vec<String>,
     /// The time that reading and checking took, without the proximity graph.
     pub reading: StageReport,
 }

@@ -65,6 +65,7 @@ fn execute(prepared: &Prepared, plan: &Plan, cache: Option<&Cache>, progress: &d
     let since_start = Clock::start();
     Diagnostics { list: no_pose_fits(prepared) }.into_result()?;
     let transaction = Transaction::begin(prepared.outputs.files())?;
+    transaction.warnings().iter().for_each(|warning| progress.warning(warning));
     let cached = cache.zip(plan.cached.as_ref());
     let stages = Stages::new(prepared, transfer.as_ref(), cached, progress);
     stages.propose()?;
@@ -122,7 +123,9 @@ fn execute(prepared: &Prepared, plan: &Plan, cache: Option<&Cache>, progress: &d
     progress.stage("writing");
     let _writing = info_span!("writing").entered();
     let mut report = assemble(prepared, stages, poses, &failed, &staged, cache, since_start)?;
-    report.warnings.splice(prepared.warnings.len()..prepared.warnings.len(), warnings.into_iter().chain(of_rest));
+    let of_others = transaction.warnings().iter().cloned();
+    let of_run = of_others.chain(warnings).chain(of_rest);
+    report.warnings.splice(prepared.warnings.len()..prepared.warnings.len(), of_run);
     deduplicate(&mut report.warnings);
     if let Some(thumbnails) = thumbnails {
         report.target_view = Some(thumbnails.target_view());

@@ -1,6 +1,9 @@
 //! The names of temporary files.
 
-use std::{ffi::OsStr, path::Path};
+use std::{
+    ffi::{OsStr, OsString},
+    path::Path,
+};
 
 /// What the names of all temporary files begin with.
 pub(super) const PREFIX: &str = ".mimesh-";
@@ -29,6 +32,23 @@ pub(super) fn old(identity: &str, number: usize) -> String {
     format!("{PREFIX}{identity}-{number}.old")
 }
 
+/// The most bytes of a name that all usual file systems take.
+const MAX_NAME: usize = 255;
+
+/// The name for a file that was edited in the place `place` of a result, the `number`th from 1. It has no extension of a mesh, so that
+/// no pattern of poses takes it for one.
+pub(super) fn edited(place: &Path, number: usize) -> OsString {
+    let ending = if number == 1 { ".edited".to_owned() } else { format!(".edited-{number}") };
+    let mut name = place.file_name().unwrap_or_default().to_owned();
+    if name.len() + ending.len() > MAX_NAME {
+        let text = name.to_string_lossy();
+        let end = text.floor_char_boundary(MAX_NAME - ending.len());
+        name = text[..end].into();
+    }
+    name.push(ending);
+    name
+}
+
 /// What a file of a transaction is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Found<'a> {
@@ -46,6 +66,13 @@ pub(super) fn parse(path: &Path) -> Option<Found<'_>> {
     of(JOURNAL).map(Found::Journal).or_else(|| of(POINTER).map(Found::Pointer))
 }
 
+/// Whether `name` is one that transactions take for themselves, so that no result has it.
+pub(super) fn is_ours(name: &OsStr) -> bool {
+    let name = name.as_encoded_bytes();
+    let has = |ending: &str| name.ends_with(ending.as_bytes());
+    name.starts_with(PREFIX.as_bytes()) && [JOURNAL, POINTER, ".part", ".old"].into_iter().any(has)
+}
+
 /// Whether `name` is that of a file in the making, or of one that is kept, of `identity`.
 pub(super) fn belongs_to(name: &OsStr, identity: &str) -> bool {
     name.to_str()
@@ -60,6 +87,16 @@ mod tests {
 
     fn journal(identity: &str) -> String {
         format!("{PREFIX}{identity}{JOURNAL}")
+    }
+
+    #[test]
+    fn the_name_of_an_edited_file_is_never_too_long() {
+        assert_eq!(edited(Path::new("out/a.obj"), 1), "a.obj.edited");
+        assert_eq!(edited(Path::new("out/a.obj"), 2), "a.obj.edited-2");
+        let long = format!("{}é.obj", "x".repeat(244));
+        let name = edited(Path::new(&long), 12);
+        // Half a letter is none.
+        assert_eq!(name.to_str(), Some(&*format!("{}.edited-12", "x".repeat(244))));
     }
 
     #[test]

@@ -10,9 +10,9 @@ use std::{
 use super::{
     Interrupted, Staged, Transaction,
     disk::fault::{self, Fault},
-    interrupted, write, write_all,
+    survey, write_all,
 };
-use mimesh_document::Kind;
+use mimesh_document::{Diagnostic, Kind};
 
 /// The variables that tell a child of a test what to do.
 const FOLDER: &str = "MIMESH_TEST_FOLDER";
@@ -20,6 +20,16 @@ const STEP: &str = "MIMESH_TEST_STEP";
 
 /// The files of the tests: two folders, one that is new, one file that is new, and the last that tells what the others are.
 const PLACES: [&str; 5] = ["a/1.obj", "a/2.obj", "b/1.obj", "b/new/1.obj", "a/run.json"];
+
+/// The transactions that write one of `places`.
+fn interrupted<'p>(places: impl IntoIterator<Item = &'p Path>) -> Vec<(PathBuf, Interrupted)> {
+    survey(places).interrupted
+}
+
+/// Writes one file.
+fn write(place: &Path, bytes: &[u8]) -> Result<(), Diagnostic> {
+    write_all(&[(place, bytes)]).map(drop)
+}
 
 fn places(folder: &Path) -> Vec<PathBuf> {
     PLACES.iter().map(|place| folder.join(place)).collect()
@@ -57,7 +67,7 @@ fn files(folder: &Path) -> BTreeMap<PathBuf, String> {
 }
 
 /// Writes the new set.
-fn commit(folder: &Path) -> Result<(), mimesh_document::Diagnostic> {
+fn commit(folder: &Path) -> Result<(), Diagnostic> {
     let places = places(folder);
     let transaction = Transaction::begin(places.iter().map(PathBuf::as_path))?;
     let staged: Result<Vec<Staged>, _> =
@@ -79,28 +89,33 @@ fn a_child_that_dies() {
     commit(Path::new(&folder)).unwrap();
 }
 
-#[test]
-fn a_process_that_dies_at_any_step_leaves_a_set_that_the_next_run_makes_whole() {
+/// Lets a process write the new set and die at a step; whether it came to its end before.
+fn die_at(folder: &Path, step: usize) -> bool {
+    let mut child = Command::new(std::env::current_exe().unwrap());
+    child.args(["--exact", "staging::tests::a_child_that_dies", "--test-threads=1"]);
+    child.env(FOLDER, folder).env(STEP, step.to_string()).output().unwrap().status.success()
+}
+
+/// How many steps the new set takes.
+fn count_steps() -> usize {
     let counted = tempfile::tempdir().unwrap();
     old_set(counted.path());
     fault::plan(None);
     commit(counted.path()).unwrap();
-    let steps = fault::steps();
     assert_eq!(files(counted.path()), new_set(counted.path()));
+    fault::steps()
+}
+
+#[test]
+fn a_process_that_dies_at_any_step_leaves_a_set_that_the_next_run_makes_whole() {
+    let steps = count_steps();
     assert!(steps > 3 * PLACES.len(), "{steps}");
 
     let mut kept_old = 0;
     for step in 0..=steps {
         let folder = tempfile::tempdir().unwrap();
         let (old, new) = (old_set(folder.path()), new_set(folder.path()));
-        let status = Command::new(std::env::current_exe().unwrap())
-            .args(["--exact", "staging::tests::a_child_that_dies", "--test-threads=1"])
-            .env(FOLDER, folder.path())
-            .env(STEP, step.to_string())
-            .output()
-            .unwrap()
-            .status;
-        assert_eq!(status.success(), step == steps, "step {step}");
+        assert_eq!(die_at(folder.path(), step), step == steps, "step {step}");
 
         let places = places(folder.path());
         let told = interrupted(places.iter().map(PathBuf::as_path));
@@ -118,14 +133,94 @@ fn a_process_that_dies_at_any_step_leaves_a_set_that_the_next_run_makes_whole() 
     assert!(kept_old > PLACES.len() && kept_old < steps, "both ends are met: {kept_old} of {steps}");
 }
 
+/// Somebody edits a result after a process has died, at whatever step.
+#[test]
+fn what_is_edited_after_a_process_has_died_is_never_lost() {
+    let steps = count_steps();
+    let (mut beside, mut in_place) = (0, 0);
+    for step in 0..steps {
+        // A new file, one that is replaced, and the last.
+        for edited in ["a/1.obj", "b/new/1.obj", "a/run.json"] {
+            let folder = tempfile::tempdir().unwrap();
+            let (old, new) = (old_set(folder.path()), new_set(folder.path()));
+            die_at(folder.path(), step);
+            let edited = folder.path().join(edited);
+            fs::create_dir_all(edited.parent().unwrap()).unwrap();
+            fs::write(&edited, "by hand").unwrap();
+            let places = places(folder.path());
+            let told = Transaction::begin(places.iter().map(PathBuf::as_path)).unwrap().warnings().join("\n");
+            let mut after = files(folder.path());
+            let aside = after.remove(&PathBuf::from(format!("{}.edited", edited.display())));
+            if after.get(&edited).is_some_and(|text| text == "by hand") {
+                in_place += 1;
+                after.remove(&edited);
+            } else {
+                assert_eq!(aside.as_deref(), Some("by hand"), "step {step}: {told}");
+                assert!(told.contains(".edited") && told.contains("was edited"), "step {step}: {told}");
+                beside += 1;
+            }
+            let of_set = |set: &BTreeMap<PathBuf, String>| after.iter().all(|(path, text)| set.get(path) == Some(text));
+            assert!(of_set(&old) || of_set(&new), "step {step}: the other files are of one set: {after:?}");
+        }
+    }
+    assert!(beside > PLACES.len() && in_place > PLACES.len(), "{beside} {in_place}");
+}
+
+#[test]
+fn a_temporary_file_that_is_gone_ends_the_commit_as_it_began() {
+    for gone in 0..PLACES.len() {
+        let folder = tempfile::tempdir().unwrap();
+        let old = old_set(folder.path());
+        let places = places(folder.path());
+        let transaction = Transaction::begin(places.iter().map(PathBuf::as_path)).unwrap();
+        let staged: Vec<Staged> = places
+            .iter()
+            .map(|place| transaction.stage_bytes(place, contents(place, "new").as_bytes()).unwrap())
+            .collect();
+        fs::remove_file(&staged[gone].part).unwrap();
+        let refused = transaction.commit(staged).unwrap_err();
+        assert_eq!(refused.kind, Kind::CannotWrite);
+        assert!(refused.message.contains("its temporary file was removed or changed"), "{refused}");
+        assert_eq!(files(folder.path()), old);
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_journal_that_is_gone_ends_the_commit_as_it_began() {
+    let folder = tempfile::tempdir().unwrap();
+    let old = old_set(folder.path());
+    let places = places(folder.path());
+    let transaction = Transaction::begin(places.iter().map(PathBuf::as_path)).unwrap();
+    let staged: Vec<Staged> = places.iter().map(|place| transaction.stage_bytes(place, b"new").unwrap()).collect();
+    let is_journal = |path: &&PathBuf| path.extension().is_some_and(|extension| extension == "journal");
+    fs::remove_file(files(folder.path()).keys().find(is_journal).unwrap()).unwrap();
+    let refused = transaction.commit(staged).unwrap_err();
+    assert!(refused.message.contains("the journal of this run was removed"), "{refused}");
+    assert_eq!(files(folder.path()), old);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_folder_that_is_renamed_meanwhile_ends_the_commit_and_the_next_run_there_clears_up() {
+    let folder = tempfile::tempdir().unwrap();
+    let (out, moved) = (folder.path().join("out"), folder.path().join("moved"));
+    let (one, two) = (out.join("1"), out.join("2"));
+    write_all(&[(&one, b"old"), (&two, b"old")]).unwrap();
+    let transaction = Transaction::begin([&*one, &*two]).unwrap();
+    let staged = vec![transaction.stage_bytes(&one, b"new").unwrap(), transaction.stage_bytes(&two, b"new").unwrap()];
+    fs::rename(&out, &moved).unwrap();
+    fs::create_dir(&out).unwrap();
+    assert_eq!(transaction.commit(staged).unwrap_err().kind, Kind::CannotWrite);
+    assert_eq!(files(&out), BTreeMap::new());
+    let old = [(moved.join("1"), "old".to_owned()), (moved.join("2"), "old".to_owned())].into();
+    drop(Transaction::begin([&*moved.join("1")]).unwrap());
+    assert_eq!(files(&moved), old);
+}
+
 #[test]
 fn a_step_that_fails_leaves_the_old_set_or_the_new_one_and_nothing_else() {
-    let counted = tempfile::tempdir().unwrap();
-    old_set(counted.path());
-    fault::plan(None);
-    commit(counted.path()).unwrap();
-    let steps = fault::steps();
-    for step in 0..steps {
+    for step in 0..count_steps() {
         let folder = tempfile::tempdir().unwrap();
         let (old, new) = (old_set(folder.path()), new_set(folder.path()));
         fault::plan(Some((step, Fault::Fails)));
@@ -227,8 +322,9 @@ fn a_journal_that_was_just_made_when_its_writer_died_is_removed_and_one_of_anoth
     fs::write(&empty, "").unwrap();
     fs::write(&cut, "0123456789abcdef").unwrap();
     fs::write(&other, "another layout\n").unwrap();
-    write(&place, b"1").unwrap();
+    let told = write_all(&[(&place, b"1")]).unwrap().warnings.join("\n");
     assert_eq!(files(folder.path()).keys().collect::<Vec<_>>(), [&other, &place]);
+    assert!(told.contains("another version of mimesh wrote this journal") && told.contains("222222222222"), "{told}");
 }
 
 #[cfg(unix)]

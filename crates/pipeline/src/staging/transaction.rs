@@ -1,7 +1,7 @@
 //! Files that are written together.
 
 use std::{
-    collections::{BTreeSet, HashMap},
+    collections::{BTreeSet, HashMap, HashSet},
     fs::{self, File},
     io::{self, Write},
     path::{Path, PathBuf},
@@ -13,12 +13,15 @@ use mimesh_markers::IntoDiagnostic;
 
 use super::{
     Staged, WrittenFile, disk,
-    journal::{self, Journal, Move},
+    failure::{Failure, gone},
+    folder_lock::FolderLock,
+    journal::{Before, Ending, Journal, Move},
     moves::Moving,
     names,
     place::{folder_of, resolve},
-    recovery::{self, FolderLock},
-    registry,
+    pointer::point_at,
+    recovery, registry,
+    survey::in_folder,
 };
 
 type Result<T> = std::result::Result<T, Diagnostic>;
@@ -36,6 +39,8 @@ pub struct Transaction {
     pointers: Vec<PathBuf>,
     /// Folders that were made, those around others first.
     made: Vec<PathBuf>,
+    /// Sentences about what others had left.
+    warnings: Vec<String>,
 }
 
 impl Transaction {
@@ -47,11 +52,24 @@ impl Transaction {
     ///
     /// [`Kind::Busy`] if another process is writing one of the files, else those of the system.
     pub fn begin<'p>(places: impl IntoIterator<Item = &'p Path>) -> Result<Self> {
-        let mut begun = Self { journal: None, numbers: HashMap::new(), files: vec![], pointers: vec![], made: vec![] };
+        let mut begun = Self {
+            journal: None,
+            numbers: HashMap::new(),
+            files: vec![],
+            pointers: vec![],
+            made: vec![],
+            warnings: vec![],
+        };
         let places: Vec<&Path> = places.into_iter().collect();
+        let mut seen = HashSet::new();
         for place in &places {
             begun.make_folder(place)?;
             let file = resolve(place)?;
+            if !seen.insert(file.clone()) && !begun.numbers.contains_key(*place) {
+                let message = "two results lead to this file, one of them by a link";
+                let diagnostic = Diagnostic::new(Kind::CannotWrite, message).at(Location::File(place.into()));
+                return Err(diagnostic.hint("give each result a name of its own"));
+            }
             begun.numbers.insert(place.to_path_buf(), begun.files.len());
             begun.files.push(file);
         }
@@ -61,14 +79,14 @@ impl Transaction {
         let failed = |error| Error::write(last, error).into_diagnostic();
         let folders: BTreeSet<PathBuf> = begun.files.iter().map(|file| folder_of(file).to_owned()).collect();
         {
-            let _lock = FolderLock::take(&home).map_err(failed)?;
-            recovery::remove_unbegun(&home).map_err(failed)?;
+            let _lock = lock(&home)?;
             begun.clear(&home, &places)?;
+            recovery::remove_unbegun(&home).map_err(failed)?;
             let made = |path: &Path| registry::locked().add(path);
             begun.journal = Some(Journal::create(&home, &begun.files, made).map_err(failed)?);
         }
         for folder in folders.iter().filter(|folder| **folder != home) {
-            let _lock = FolderLock::take(folder).map_err(failed)?;
+            let _lock = lock(folder)?;
             begun.clear(folder, &places)?;
             begun.point_from(folder).map_err(failed)?;
         }
@@ -96,20 +114,22 @@ impl Transaction {
     }
 
     /// Ends what other transactions have left at one of the files in `folder`.
-    fn clear(&self, folder: &Path, places: &[&Path]) -> Result<()> {
-        for other in recovery::at(folder, &self.files) {
+    fn clear(&mut self, folder: &Path, places: &[&Path]) -> Result<()> {
+        let found = in_folder(folder, &self.files);
+        if let Some(refused) = found.refused.into_iter().next() {
+            return Err(refused);
+        }
+        self.warnings.extend(found.warnings);
+        for other in found.others {
             let place = self.files.iter().position(|file| *file == other.file).map_or(folder, |number| places[number]);
-            if !other.recover().map_err(|error| Error::write(place, error).into_diagnostic())? {
-                let diagnostic =
-                    Diagnostic::new(Kind::Busy, format!("another process is writing this file{}", other.since()));
-                let hint = format!(
-                    "wait until it has ended, or write elsewhere; if no mimesh is at work there, on no machine, remove {}",
-                    other.journal.display()
-                );
-                return Err(diagnostic.at(Location::File(place.into())).hint(hint));
-            }
+            self.warnings.extend(other.recover(place)?);
         }
         Ok(())
+    }
+
+    /// Sentences about what other transactions had left at the places, and what has become of it.
+    pub fn warnings(&self) -> &[String] {
+        &self.warnings
     }
 
     fn point_from(&mut self, folder: &Path) -> io::Result<()> {
@@ -118,7 +138,7 @@ impl Transaction {
         registry::locked().add(&pointer);
         // One that is not written to its end is removed too.
         self.pointers.push(pointer.clone());
-        journal::point_at(&journal.path, &pointer)
+        point_at(&journal.path, &pointer)
     }
 
     /// An empty temporary file for `place`, one of those that the transaction began with, and the file to write to.
@@ -191,28 +211,38 @@ impl Transaction {
         let Some(journal) = &mut self.journal else { return Ok(()) };
         let moves = |file: &Staged| {
             let WrittenFile { bytes, blake3, .. } = file.written();
-            Move { place: file.number, bytes, blake3, replaces: self.files[file.number].exists() }
+            let before = fs::symlink_metadata(&self.files[file.number]).ok();
+            let replaces = before.is_some();
+            Move { place: file.number, bytes, blake3, replaces, before: before.and_then(|found| Before::of(&found)) }
         };
         let moves: Vec<Move> = files.iter().map(moves).collect();
+        let is_journaled = files.len() > 1 || moves.iter().any(|file| file.replaces);
         let moving = |about: &Move| Moving::new(&journal.identity, &self.files[about.place], about.clone());
         let moving: Vec<Moving> = moves.iter().map(moving).collect();
         let folders: BTreeSet<&Path> = files.iter().map(|file| folder_of(&self.files[file.number])).collect();
-        let at_report = |error| Failure::whole(files.last().map_or(Path::new(""), Staged::place), error);
-        // A single file is moved whole, with or without a journal.
-        if files.len() > 1 {
+        let report = files.last().map_or(Path::new(""), Staged::place);
+        let at_report = |error| Failure::whole(Error::write(report, error).into_diagnostic());
+        if let Some((file, _)) = files.iter().zip(&moving).find(|(_, moving)| !moving.is_ready()) {
+            return Err(Failure::whole(gone(file.place(), "its temporary file was removed or changed")));
+        }
+        if !journal.is_there() {
+            return Err(Failure::whole(gone(report, "the journal of this run was removed or replaced")));
+        }
+        // A new file that is alone is moved whole, with or without a journal.
+        if is_journaled {
             folders.iter().try_for_each(|folder| disk::sync_folder(folder)).map_err(at_report)?;
             journal.begin_moves(moves).map_err(at_report)?;
         }
         for (file, staged) in moving.iter().zip(files) {
-            if let Err(error) = file.finish() {
-                return Err(Failure::after_undoing(staged.place(), &error, &moving));
+            if let Err(error) = file.commit() {
+                return Err(Failure::after_undoing(staged.place(), &error, &moving, journal));
             }
         }
         if let Err(error) = folders.iter().try_for_each(|folder| disk::sync_folder(folder)) {
-            return Err(Failure::after_undoing(files.last().map_or(Path::new(""), Staged::place), &error, &moving));
+            return Err(Failure::after_undoing(report, &error, &moving, journal));
         }
         // All is in place. What cannot be removed now, the next transaction removes.
-        let is_told = files.len() <= 1 || journal.end_moves().is_ok();
+        let is_told = !is_journaled || journal.end(Ending::Done).is_ok();
         for file in &moving {
             if !is_told || file.clean_up().is_err() {
                 self.leave();
@@ -250,58 +280,13 @@ impl Drop for Transaction {
     }
 }
 
-/// Why files were not moved.
-struct Failure {
-    diagnostic: Diagnostic,
-    /// Whether everything is as it was.
-    is_undone: bool,
-}
-
-impl Failure {
-    /// A failure before anything was moved.
-    fn whole(place: &Path, error: io::Error) -> Box<Self> {
-        Box::new(Self { diagnostic: Error::write(place, error).into_diagnostic(), is_undone: true })
-    }
-
-    /// The failure `error` of moving to `place`, after all of `moving` was put back.
-    fn after_undoing(place: &Path, error: &io::Error, moving: &[Moving]) -> Box<Self> {
-        let diagnostic = Error::write(place, io::Error::new(error.kind(), error.to_string())).into_diagnostic();
-        let stuck: Vec<_> = moving
-            .iter()
-            .rev()
-            .filter(|file| file.undo().is_err())
-            .map(|file| file.place.display().to_string())
-            .collect();
-        if stuck.is_empty() {
-            return Box::new(Self { diagnostic, is_undone: true });
+/// Waits until no other process looks through `folder`.
+fn lock(folder: &Path) -> Result<FolderLock> {
+    FolderLock::take(folder).map_err(|error| match error.kind() {
+        io::ErrorKind::ResourceBusy => {
+            let diagnostic = Diagnostic::new(Kind::Busy, "another process has held this folder for long");
+            diagnostic.at(Location::File(folder.into())).hint("wait until it has ended, or write into another folder")
         }
-        let message = format!(
-            "{}; these could not be put back, so that the results are of two runs: {}",
-            diagnostic.message,
-            stuck.join(", ")
-        );
-        let diagnostic =
-            Diagnostic { message, ..diagnostic }.hint("run it again: the next run ends what this one has left");
-        Box::new(Self { diagnostic, is_undone: false })
-    }
-}
-
-/// Writes a whole file.
-///
-/// # Errors
-///
-/// Those of the system about `place`.
-pub fn write(place: &Path, bytes: &[u8]) -> Result<()> {
-    write_all(&[(place, bytes)]).map(drop)
-}
-
-/// Writes whole files together.
-///
-/// # Errors
-///
-/// Those of the system about one of the places.
-pub fn write_all(files: &[(&Path, &[u8])]) -> Result<Vec<WrittenFile>> {
-    let transaction = Transaction::begin(files.iter().map(|(place, _)| *place))?;
-    let staged = files.iter().map(|(place, bytes)| transaction.stage_bytes(place, bytes)).collect::<Result<_>>()?;
-    transaction.commit(staged)
+        _ => Error::write(folder, error).into_diagnostic(),
+    })
 }

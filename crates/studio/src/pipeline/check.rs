@@ -35,7 +35,8 @@ impl Checked {
                 return Self { diagnostics: list, choices: json!([]), outputs: vec![] };
             }
         };
-        let warnings = all.iter().flat_map(|one| &one.warnings).map(ApiDiagnostic::warning);
+        let warnings =
+            all.iter().flat_map(|one| one.warnings.iter().chain(&one.unfinished)).map(ApiDiagnostic::warning);
         let mut diagnostics: Vec<ApiDiagnostic> = warnings.collect();
         diagnostics.dedup();
         let choices = all.first().map(|one| one.choices.iter().map(choice).collect()).unwrap_or_default();
