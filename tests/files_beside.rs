@@ -111,3 +111,16 @@ fn the_files_of_truths_and_poses_are_not_even_hashed_out_of_reach() {
         }
     }
 }
+
+/// A file of zeros takes no room on the disk.
+#[test]
+fn files_beside_count_against_the_memory_before_they_are_read() {
+    let project = project("arm.bin");
+    fs::rename(project.path("other/arm.bin"), project.path("p/m/arm.bin")).unwrap();
+    assert_eq!(project.mimesh(&["inspect", "p/m/arm.gltf", "--memory", "300M"]).status, 0);
+    let file = fs::OpenOptions::new().write(true).open(project.path("p/m/arm.bin")).unwrap();
+    file.set_len(400 << 20).unwrap();
+    let output = project.mimesh(&["inspect", "p/m/arm.gltf", "--memory", "300M"]);
+    assert_eq!(output.status, 71, "{}", output.stderr);
+    assert!(output.stderr.contains("arm.bin beside the mesh would take 1.3 GB"), "{}", output.stderr);
+}

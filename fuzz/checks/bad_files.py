@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Reads damaged and nonsensical files and tells how clear the answers are: `fuzz/checks/bad_files.py [--show KIND] [PROGRAM]`.
 
-Some 300 files are made in a temporary folder. Meshes go to `mimesh inspect`, poses to `mimesh check`, markers to `mimesh markers
+Some 1,080 files are made in a temporary folder. Meshes go to `mimesh inspect`, poses to `mimesh check`, markers to `mimesh markers
 convert`, each within ten seconds and a gigabyte. An answer is
 
 - `clear`: an error that names the file, a line or an element, and a way out; or a result with a warning;
@@ -22,11 +22,13 @@ import sys
 import tempfile
 
 import memory
+import more_gltf
+import more_meshes
 from cases import CASES, POSES
 from files import obj
 
 memory.ADDRESSES = 1 << 30
-PLACE = re.compile(r"line \d|:\d+:|\d+ \(from 0\)|\d|`[^`]+`|empty|folder|pipe|link to|device|no such|begins")
+PLACE = re.compile(r"line \d|:\d+:|\d+ \(from 0\)|\d|`[^`]+`|empty|folder|pipe|link to|device|no such|begins|refers to|glTF: \w")
 
 
 def judge(status, errors, output, name, nonsense):
@@ -56,8 +58,11 @@ def main():
         with open(os.path.join(folder, "tet.obj"), "wb") as file:
             file.write(obj())
         for name, contents, nonsense in CASES:
-            path = os.path.join(folder, name)
-            make(path, contents)
+            # The contents of the files beside it stand under their names.
+            files = contents if isinstance(contents, dict) else {"": contents}
+            paths = [os.path.join(folder, beside or name) for beside in files]
+            for path, content in zip(paths, files.values()):
+                make(path, content)
             command = commands(program, folder, name)
             status, seconds, _, errors = memory.run(command, folder)
             with open(os.path.join(folder, "stdout")) as file:
@@ -67,7 +72,8 @@ def main():
             if kind in arguments.show.split(","):
                 first = (errors or output).strip().splitlines()
                 print(f"{kind:9}{name:34}{status} {seconds:5.2f}s  {' | '.join(first[:3])[:230]}", flush=True)
-            remove(path)
+            for path in paths:
+                remove(path)
     print(", ".join(f"{counts[kind]} {kind}" for kind in ("clear", "fine", "vague", "accepted", "dead")))
     sys.exit(1 if counts["vague"] + counts["accepted"] + counts["dead"] else 0)
 

@@ -11,7 +11,7 @@ use mimesh_core::{
     Error, Result, memory,
     stage::{FileInput, ReadAt},
 };
-use mimesh_document::files::open_regular;
+use mimesh_document::{files::open_regular, limits::shortened};
 
 /// The folders whose regular files a mesh file may open; links are resolved first.
 ///
@@ -99,6 +99,9 @@ impl FileInput for FileOnDisk<'_> {
         if now != found || !metadata.is_file() || !is_same(&metadata, &fs::metadata(&found).map_err(failed)?) {
             return Err(failed(io::Error::other("the file was exchanged while it was opened")));
         }
+        // Images stay as they are, buffers become numbers: what of them is read is told by none, so that the more counts.
+        let what = format!("the file {} beside the mesh", shortened(&found.display().to_string()));
+        memory::need(what, metadata.len().saturating_mul(BYTES_OF_A_BYTE))?;
         let mut contents = Vec::new();
         file.read_to_end(&mut contents).map_err(failed)?;
         Ok(contents)

@@ -6,7 +6,9 @@ use mimesh_core::stage::{ClipChoice, ClipTimes};
 
 use crate::names::{all_distinct, find, quoted, shown};
 
-/// No clip is cut into more poses: such numbers come from a mistake in the frames a second or in the file.
+/// The clips of a file are cut into no more poses together.
+///
+/// Larger numbers come from a mistake in the frames a second or in the file: a few bytes of keys can ask for any of them.
 const MAX_POSES: usize = 1_000_000;
 
 /// A clip of a file, as far as choosing frames needs it.
@@ -75,7 +77,7 @@ pub fn frames(choice: &ClipChoice, clips: &[ClipKeys], warnings: &mut Vec<String
             still.push(name.clone());
             continue;
         }
-        let times = times(choice, keys)?;
+        let times = times(choice, keys, MAX_POSES - frames.len())?;
         // At least two digits, so that the names of a short clip do not change with its length.
         let digits = (times.len().max(1) - 1).to_string().len().max(2);
         for (number, &seconds) in times.iter().enumerate() {
@@ -91,32 +93,53 @@ pub fn frames(choice: &ClipChoice, clips: &[ClipKeys], warnings: &mut Vec<String
     Ok(frames)
 }
 
+fn too_many(clip: &ClipKeys) -> String {
+    format!("with the clip `{}` the poses are more than {MAX_POSES}: choose some clips", shown(&clip.name))
+}
+
 /// Times of keys are f32, so that a given time up to `end` may miss one by its rounding.
 fn slack(end: f64) -> f64 {
     1e-6 * end.max(1.0)
 }
 
 /// The times at which to look at a clip.
-fn times(choice: &ClipChoice, clip: &ClipKeys) -> Result<Vec<f64>, String> {
+///
+/// # Errors
+///
+/// If the clip has no such times, or more than `most`.
+fn times(choice: &ClipChoice, clip: &ClipKeys, most: usize) -> Result<Vec<f64>, String> {
     let [first, last] = clip.span;
     let [start, end] = choice.range.unwrap_or([first, last]);
     if !(start <= end && end - start < f64::INFINITY) {
-        return Err(format!("range {start} to {end} of the clip `{}`: expected a start before the end", clip.name));
+        return Err(format!(
+            "range {start} to {end} of the clip `{}`: expected a start before the end",
+            shown(&clip.name)
+        ));
     }
     let slack = slack(start.abs().max(end.abs()));
     if start > last + slack {
-        return Err(format!("the clip `{}` ends at {last} s, before {start} s", clip.name));
+        return Err(format!("the clip `{}` ends at {last} s, before {start} s", shown(&clip.name)));
     }
     match choice.times {
         ClipTimes::Keys => {
             let is_inside = |time: &f64| (start - slack..=end + slack).contains(time);
-            Ok(clip.key_times.iter().copied().filter(is_inside).collect())
+            let times: Vec<f64> = clip.key_times.iter().copied().filter(is_inside).collect();
+            if times.len() > most {
+                return Err(too_many(clip));
+            }
+            Ok(times)
         }
         ClipTimes::PerSecond(rate) if rate > 0.0 && rate.is_finite() => {
             let end = end.min(last.max(start));
             let count = ((end - start + slack) * rate).floor();
             if count >= MAX_POSES as f64 {
-                return Err(format!("{rate} poses a second of the clip `{}` are more than {MAX_POSES}", clip.name));
+                return Err(format!(
+                    "{rate} poses a second of the clip `{}` are more than {MAX_POSES}",
+                    shown(&clip.name)
+                ));
+            }
+            if count >= most as f64 {
+                return Err(too_many(clip));
             }
             Ok((0..=count as usize).map(|frame| (start + frame as f64 / rate).min(end)).collect())
         }

@@ -14,6 +14,7 @@
 //! Texture coordinates have their origin at the lower left, whatever the file says.
 
 mod attributes;
+mod beside;
 mod clip_frames;
 mod counts;
 mod encoding;

@@ -63,8 +63,8 @@ pub fn quoted<S: AsRef<str>>(names: &[S]) -> String {
 pub fn find<'a>(kind: &str, names: impl IntoIterator<Item = &'a str>, name: &str) -> Result<usize, String> {
     let names: Vec<&str> = names.into_iter().collect();
     names.iter().position(|known| *known == name).ok_or_else(|| match &names[..] {
-        [] => format!("no {kind} is called `{name}`: the file has none"),
-        names => format!("no {kind} is called `{name}`: the file has {}", quoted(names)),
+        [] => format!("no {kind} is called `{}`: the file has none", shown(name)),
+        names => format!("no {kind} is called `{}`: the file has {}", shown(name), quoted(names)),
     })
 }
 
@@ -73,7 +73,7 @@ pub fn unknown_part(name: &str, nodes_meshes_materials: &[Vec<String>; 3]) -> St
     let kinds = ["nodes", "meshes", "materials"].into_iter().zip(nodes_meshes_materials);
     let lists: Vec<String> =
         kinds.filter(|(_, all)| !all.is_empty()).map(|(kind, all)| format!("{kind} {}", quoted(all))).collect();
-    format!("nothing in the file is called `{name}`: it has the {}", lists.join(", the "))
+    format!("nothing in the file is called `{}`: it has the {}", shown(name), lists.join(", the "))
 }
 
 #[cfg(test)]

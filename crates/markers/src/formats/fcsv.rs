@@ -55,8 +55,12 @@ pub fn parse(file: &Path, text: &str) -> Result<PointFile> {
     // Later versions add it without naming it.
     let status = column("positionstatus").or_else(|| Some(column("associatednodeid")? + 1));
     let mut undefined = Vec::new();
+    let mut short = None;
     let mut diagnostics = Diagnostics::default();
     for row in rows(&points, Separator::Comma) {
+        if row.cells.len() < columns.len() {
+            short.get_or_insert((row.line, row.cells.len()));
+        }
         let cell = |column: Option<usize>| column.and_then(|c| row.cells.get(c)).map_or("", |cell| cell.trim());
         let name = Some(cell(label)).filter(|name| !name.is_empty()).map(str::to_owned);
         if matches!(cell(status), "0" | "1" | "3") {
@@ -76,6 +80,12 @@ pub fn parse(file: &Path, text: &str) -> Result<PointFile> {
         }
     }
     result.warn_of_left_out("without a position", &undefined);
+    if let Some((line, cells)) = short {
+        let columns = columns.len();
+        result
+            .warnings
+            .push(format!("{}:{line}: {cells} cells for {columns} columns: is one missing?", file.display()));
+    }
     diagnostics.extend(result.duplicate_names());
     diagnostics.into_result().map(|()| result)
 }

@@ -15,7 +15,7 @@ use mimesh_document::{Diagnostic, Diagnostics, Location, Result};
 
 use crate::{
     points::{ExportPoint, NamedPoint, PointFile, PointPosition},
-    text::{Lines, ParseError, number, quoted},
+    text::{Lines, ParseError, number, quoted, shorten},
 };
 
 /// Parses the text of `file`; points that are not active are left out, with a warning.
@@ -85,7 +85,7 @@ fn not_xml(text: &str, error: &Error, location: impl Fn(usize) -> Location) -> D
             (text.lines().count(), "the file ends before `</PickedPoints>`".into())
         }
         Error::UnexpectedCloseTag(expected, found, _) => {
-            (position.row as usize, format!("expected `</{expected}>`, found `</{found}>`"))
+            (position.row as usize, format!("expected `</{}>`, found `</{}>`", shorten(expected), shorten(found)))
         }
         _ => (position.row as usize, error.to_string().replace(&format!(" at {position}"), "")),
     };

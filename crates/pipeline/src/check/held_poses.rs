@@ -5,7 +5,7 @@ use std::{path::Path, sync::Arc};
 use mimesh_core::{
     mesh::{ComputePoses, MeshSequence, Pose, Positions},
     spatial::UnitAxes,
-    stage::{ClipChoice, PoseChoice, RestShape, Selection, check_pose, check_vertices},
+    stage::{ClipChoice, ClipTimes, PoseChoice, RestShape, Selection, check_pose, check_vertices},
 };
 use mimesh_document::{At, Diagnostic, Kind, Step, path};
 use nalgebra::Point3;
@@ -158,7 +158,13 @@ pub(super) fn poses_in(
     }
     let mut read = read_poses(scope, mesh, file, PoseChoice::Shapes);
     if read.as_ref().is_ok_and(|read| read.poses.is_empty() && !read.animations.is_empty()) {
-        read = read_poses(scope, mesh, file, PoseChoice::Clips(ClipChoice::default()));
+        // A look at each clip tells which of them move the mesh. Of several none is chosen, so that their frames are not made.
+        let times = ClipTimes::PerSecond(1.0);
+        let looks = ClipChoice { times, range: Some([0.0, 0.0]), ..ClipChoice::default() };
+        read = read_poses(scope, mesh, file, PoseChoice::Clips(looks));
+        if let Ok([_]) = read.as_ref().map(|read| &read.poses[..]) {
+            read = read_poses(scope, mesh, file, PoseChoice::Clips(ClipChoice::default()));
+        }
     }
     let held = read.and_then(|read| {
         let mut clips: Vec<&str> = read.poses.iter().filter_map(|pose| Some(&*pose.time.as_ref()?.clip)).collect();

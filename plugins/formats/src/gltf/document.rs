@@ -1,6 +1,10 @@
 //! What a writer needs to give a glTF back as it was, with new morph targets.
 
-use std::{collections::BTreeMap, ops::Range};
+use std::{
+    collections::BTreeMap,
+    ops::{Deref, Range},
+    sync::Arc,
+};
 
 use nalgebra::{Matrix4, Point3};
 use serde_json::Value;
@@ -11,9 +15,9 @@ pub struct GltfDocument {
     /// The JSON of the file, with nothing taken out; numbers that JSON does not know are null.
     pub json: Value,
     /// The contents of its buffers.
-    pub buffers: Vec<Vec<u8>>,
+    pub buffers: Vec<Buffer>,
     /// The contents of the images in files of their own, by the number of the image.
-    pub images: Vec<(usize, Vec<u8>)>,
+    pub images: Vec<(usize, Arc<Vec<u8>>)>,
     /// The contents of the buffer views that are compressed in the file, by the number of the view.
     pub decompressed: BTreeMap<usize, Vec<u8>>,
     /// The contents of the accessors that a primitive's compression holds, without gaps, by the number of the accessor.
@@ -46,6 +50,38 @@ impl GltfDocument {
         ];
         found.into_iter().filter(|(_, is_there)| *is_there).map(|(name, _)| name).collect()
     }
+}
+
+/// The contents of a buffer: the first bytes of a file, which several buffers may name.
+#[derive(Clone, Debug, Default)]
+pub struct Buffer {
+    /// The bytes of the file.
+    pub file: Arc<Vec<u8>>,
+    /// How many of them are the buffer's.
+    pub length: usize,
+    /// Zeros behind them, which the glTF counts and the file lacks.
+    pub padding: usize,
+}
+
+impl From<Vec<u8>> for Buffer {
+    fn from(bytes: Vec<u8>) -> Self {
+        Self { length: bytes.len(), file: Arc::new(bytes), padding: 0 }
+    }
+}
+
+impl Deref for Buffer {
+    type Target = [u8];
+
+    fn deref(&self) -> &[u8] {
+        &self.file[..self.length]
+    }
+}
+
+/// The bytes of all `buffers`, those that several share once.
+pub fn bytes_of(buffers: &[Buffer]) -> usize {
+    let files: BTreeMap<_, usize> =
+        buffers.iter().map(|buffer| (Arc::as_ptr(&buffer.file), buffer.file.len())).collect();
+    files.values().sum()
 }
 
 /// A node where it is at rest.

@@ -8,6 +8,10 @@ pub struct Colors {
     /// The parts on each line; those that a line does not have are NaN.
     values: Vec<[f64; 4]>,
     any: bool,
+    /// Colours with a part that is no number.
+    unreadable: usize,
+    /// Lines with other numbers than those of a weight or a colour.
+    unknown: usize,
 }
 
 impl Colors {
@@ -22,8 +26,20 @@ impl Colors {
             count += 1;
         }
         let [r, g, b, a, _] = numbers;
-        self.any |= matches!(count, 3 | 4);
-        self.values.push(if matches!(count, 3 | 4) { [r, g, b, a] } else { [f64::NAN; 4] });
+        let is_color = matches!(count, 3 | 4);
+        self.any |= is_color;
+        self.unreadable += usize::from(is_color && numbers[..count].iter().any(|x| x.is_nan()));
+        self.unknown += usize::from(count == 2 || count > 4);
+        self.values.push(if is_color { [r, g, b, a] } else { [f64::NAN; 4] });
+    }
+
+    /// Sentences about what behind the coordinates is not understood.
+    pub fn warnings(&self) -> Vec<String> {
+        let all = [
+            (self.unreadable, "`v` lines have a colour that is no number, which was read as 1"),
+            (self.unknown, "`v` lines have numbers behind their coordinates that are neither a weight nor a colour"),
+        ];
+        all.into_iter().filter(|(count, _)| *count > 0).map(|(count, what)| format!("{count} {what}")).collect()
     }
 
     /// The colours, each part 0 to 1; white and opaque where a line has none. Parts beyond 1 are of 255.

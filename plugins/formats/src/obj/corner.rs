@@ -9,6 +9,8 @@ pub struct Corner {
     pub texture: i64,
     /// The reference to a `vn` line.
     pub normal: i64,
+    /// Whether one of the two is a 0 that the file has.
+    pub has_zero: bool,
 }
 
 impl Corner {
@@ -16,9 +18,17 @@ impl Corner {
     pub fn parse(token: &[u8]) -> Option<Self> {
         let mut fields = token.split(|&b| b == b'/');
         let vertex = integer(fields.next()?)?;
-        let mut optional =
-            || fields.next().map_or(Some(0), |field| if field.is_empty() { Some(0) } else { integer(field) });
-        let corner = Self { vertex, texture: optional()?, normal: optional()? };
+        let mut has_zero = false;
+        let mut optional = || match fields.next() {
+            None | Some([]) => Some(0),
+            Some(field) => {
+                let index = integer(field)?;
+                has_zero |= index == 0;
+                Some(index)
+            }
+        };
+        let (texture, normal) = (optional()?, optional()?);
+        let corner = Self { vertex, texture, normal, has_zero };
         fields.next().is_none().then_some(corner)
     }
 }
@@ -64,7 +74,7 @@ mod tests {
 
     #[test]
     fn corners_name_up_to_three_entries() {
-        let corner = |vertex, texture, normal| Some(Corner { vertex, texture, normal });
+        let corner = |vertex, texture, normal| Some(Corner { vertex, texture, normal, has_zero: false });
         assert_eq!(Corner::parse(b"7"), corner(7, 0, 0));
         assert_eq!(Corner::parse(b"7/8"), corner(7, 8, 0));
         assert_eq!(Corner::parse(b"7//9"), corner(7, 0, 9));

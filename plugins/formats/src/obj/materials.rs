@@ -1,4 +1,7 @@
-use std::collections::{HashMap, HashSet};
+use std::{
+    collections::{HashMap, HashSet},
+    sync::Arc,
+};
 
 use mimesh_core::{
     Error,
@@ -7,6 +10,7 @@ use mimesh_core::{
 };
 
 use crate::{
+    beside::FilesBeside,
     images::{self, Beside},
     names::shown,
 };
@@ -35,17 +39,25 @@ pub fn read(
     // The libraries of each line are opened once, however often it stands in the file.
     let mut known: HashMap<&str, Vec<String>> = HashMap::new();
     let mut opened = 0;
+    // Names on one line, or lines that differ in blanks, may name one library again and again.
+    let mut files = FilesBeside::new(input);
+    let mut parsed = HashSet::new();
     for line in lines {
         if let Some(names) = known.get(&**line) {
             result.names.push(names.clone());
             continue;
         }
         let mut names = Vec::new();
-        for (library, bytes) in libraries(input, line, MAX_LIBRARIES - opened) {
+        for (library, bytes) in libraries(&mut files, line, MAX_LIBRARIES - opened) {
             opened += 1;
             // A library out of reach is there all the same.
             if matches!(bytes, Ok(_) | Err(Error::OutOfReach { .. })) {
                 names.push(library.clone());
+            }
+            if let Ok(bytes) = &bytes
+                && !parsed.insert(Arc::as_ptr(bytes))
+            {
+                continue;
             }
             match bytes.map_err(|error| images::reason(&error)).and_then(|bytes| parse(&bytes)) {
                 Ok(loaded) => {
@@ -74,15 +86,15 @@ pub fn read(
 const MAX_LIBRARIES: usize = 256;
 
 /// A library by its name, with its contents.
-type Library = (String, Result<Vec<u8>, Error>);
+type Library = (String, Result<Arc<Vec<u8>>, Error>);
 
 /// The libraries that a line names: one whose name may hold spaces, or several, of which the first `most`.
-fn libraries(input: &dyn FileInput, line: &str, most: usize) -> Vec<Library> {
-    let open = |name: &str| -> Library {
+fn libraries(files: &mut FilesBeside<'_>, line: &str, most: usize) -> Vec<Library> {
+    let mut open = |name: &str| -> Library {
         let slashes = name.replace('\\', "/");
-        match input.referenced(name) {
+        match files.read(name) {
             // Files written on Windows may name a folder with backslashes.
-            Err(error) if slashes != name => match input.referenced(&slashes) {
+            Err(error) if slashes != name => match files.read(&slashes) {
                 Ok(contents) => (slashes, Ok(contents)),
                 Err(_) => (name.into(), Err(error)),
             },
@@ -101,9 +113,24 @@ fn parse(bytes: &[u8]) -> Result<Vec<tobj::Material>, String> {
     let decoded = crate::encoding::from_utf16(bytes);
     // Names in other encodings must compare equal to those in the OBJ, which are read in the same lossy way.
     let text = String::from_utf8_lossy(decoded.as_deref().unwrap_or(bytes));
+    // `tobj` panics at a colour of fewer than three numbers.
+    if let Some((number, line)) = text.lines().enumerate().find(|(_, line)| lacks_numbers(line)) {
+        return Err(format!("has no colour of three finite numbers in line {}: `{}`", number + 1, shown(line.trim())));
+    }
     let (materials, _) =
         tobj::load_mtl_buf(&mut text.as_bytes()).map_err(|problem| format!("is not understood ({problem})"))?;
+    if materials.is_empty() {
+        return Err("has no material".into());
+    }
     Ok(materials)
+}
+
+/// Whether a line is of a colour that is not three finite numbers.
+fn lacks_numbers(line: &str) -> bool {
+    let mut words = line.split_whitespace();
+    let is_color = words.next().is_some_and(|word| matches!(word, "Ka" | "Kd" | "Ks" | "Ke"));
+    let numbers = words.take(3).filter(|word| word.parse::<f64>().is_ok_and(f64::is_finite));
+    is_color && numbers.count() < 3
 }
 
 /// A material of `library`; its image stands in the place of its colour, as programs that write both leave that black or grey.

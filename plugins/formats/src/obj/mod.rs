@@ -14,6 +14,7 @@ mod materials;
 mod plain;
 mod reader;
 mod signature;
+mod unknown;
 
 use std::{io::Write, path::Path};
 

@@ -14,6 +14,7 @@ use super::{
     lexer::{Lexer, number},
     libraries::LibraryLines,
     materials::{self, Libraries},
+    unknown::UnknownLines,
 };
 use crate::names::shown;
 
@@ -54,16 +55,25 @@ pub fn read(input: &dyn FileInput, bytes: Vec<u8>, images: bool) -> Result<MeshS
             }
             b"usemtl" => attributes.open.material = Some(text(reader.lexer.rest())).filter(|name| !name.is_empty()),
             b"mtllib" => library_lines.push(reader.lexer.rest_range()),
-            _ => {}
+            other => reader.unknown.add(other, reader.lexer.line()),
         }
     }
     reader.finish(attributes.texture_values.len(), attributes.normal_values.len())?;
 
     let mut warnings = attributes.warnings();
     warnings.extend(reader.warning_of_short());
+    warnings.extend(reader.unknown.warning());
+    warnings.extend(colors.warnings());
     let (positions, polygons) = (reader.positions, reader.polygons);
     let parts = attributes.close_parts(polygons.len());
     let lines: Vec<_> = library_lines.iter().map(|range| text(&bytes[range.clone()])).collect();
+    let is_no_text = |range: &&Range<usize>| std::str::from_utf8(&bytes[(*range).clone()]).is_err();
+    if let Some(range) = library_lines.iter().find(is_no_text) {
+        warnings.push(format!(
+            "`mtllib` names files in another encoding than UTF-8, so that they are not found: `{}`; save the file as UTF-8",
+            shown(&text(&bytes[range.clone()]))
+        ));
+    }
     let Libraries { materials, names } = materials::read(input, &lines, &parts, images, &mut warnings);
     let libraries = LibraryLines::new(input.path(), library_lines, names);
     let mut mesh = Mesh { positions, polygons, parts, materials, ..Mesh::default() };
@@ -114,6 +124,8 @@ struct Reader<'a> {
     forward: Vec<(usize, Kind, u32)>,
     /// The lines of the faces of fewer than three corners.
     short: Vec<usize>,
+    /// The lines that begin with no word of an OBJ.
+    unknown: UnknownLines,
 }
 
 /// The lists that corners refer to.
@@ -146,7 +158,17 @@ impl<'a> Reader<'a> {
     fn new(path: &'a Path, bytes: &'a [u8]) -> Self {
         let lexer = Lexer::new(bytes);
         let (positions, polygons) = Default::default();
-        Self { path, bytes, lexer, positions, polygons, corners: Vec::new(), forward: Vec::new(), short: Vec::new() }
+        Self {
+            path,
+            bytes,
+            lexer,
+            positions,
+            polygons,
+            corners: Vec::new(),
+            forward: Vec::new(),
+            short: Vec::new(),
+            unknown: UnknownLines::default(),
+        }
     }
 
     fn error(&self, line: usize, message: impl Display, hint: &str) -> Error {
@@ -279,6 +301,8 @@ struct Attributes {
     unreadable: usize,
     /// Numbers that texture coordinates and normals lack.
     missing: usize,
+    /// Corners that refer to texture coordinate or normal 0.
+    zeros: usize,
     /// The names of groups that parts have together.
     grouped: usize,
     parts: Vec<Part>,
@@ -318,6 +342,7 @@ impl Attributes {
     }
 
     fn corner(&mut self, reader: &mut Reader, line: usize, corner: Corner) -> Result<()> {
+        self.zeros += usize::from(corner.has_zero);
         let mut entry = |kind, index, count| -> Result<_> {
             if index == 0 { Ok(None) } else { reader.entry(line, kind, index, count).map(Some) }
         };
@@ -367,7 +392,11 @@ impl Attributes {
         let unreadable =
             format!("{} texture coordinates or normals are not finite numbers and were read as 0", self.unreadable);
         let missing = format!("`vt` and `vn` lines lack {} numbers, which were read as 0", self.missing);
-        let told = [(self.unreadable, unreadable), (self.missing, missing)];
+        let zeros = format!(
+            "{} corners refer to texture coordinate or normal 0, where numbers start at 1: they have none",
+            self.zeros
+        );
+        let told = [(self.unreadable, unreadable), (self.missing, missing), (self.zeros, zeros)];
         told.into_iter().filter(|(count, _)| *count > 0).map(|(_, warning)| warning).collect()
     }
 }

@@ -77,6 +77,7 @@ pub fn read(path: &Path, bytes: &[u8], warnings: &mut Vec<String>) -> Result<Mes
         }
         mesh.polygons.push(&corners);
         indexed += usize::from(extra.len() == 1);
+        reader.unknown += usize::from(extra.len() == 2 || extra.len() > 4);
         colors.push(if extra.len() < 3 { None } else { Some(reader.color(&extra)) });
     }
     if let Some(word) = reader.next_word()? {
@@ -89,6 +90,7 @@ pub fn read(path: &Path, bytes: &[u8], warnings: &mut Vec<String>) -> Result<Mes
     if short > 0 {
         warnings.push(format!("{short} faces of fewer than three corners are left out"));
     }
+    warnings.extend(reader.untidy());
     if mesh.polygons.is_empty() {
         let message = format!("empty mesh: {} vertices, 0 faces", mesh.positions.len());
         let hint = "give a mesh with at least one face of three corners; point clouds are not read";
@@ -143,6 +145,10 @@ struct Reader<'a> {
     colors: Vec<Option<[f64; 4]>>,
     /// Whether all colours are whole numbers.
     bytes: bool,
+    /// Colours and texture coordinates that are no finite numbers, or not there.
+    unreadable: usize,
+    /// Lines with so many numbers behind their own that they are no colour.
+    unknown: usize,
 }
 
 impl<'a> Reader<'a> {
@@ -163,6 +169,8 @@ impl<'a> Reader<'a> {
             textures,
             colors,
             bytes: true,
+            unreadable: 0,
+            unknown: 0,
         };
         // The first word may be missing in a plain file.
         if let Some(kind) = reader.next_word()?.and_then(Kind::new) {
@@ -186,7 +194,7 @@ impl<'a> Reader<'a> {
         reader.vertices = count(&mut reader)?;
         reader.faces = count(&mut reader)?;
         // The count of edges is of no use, and some programs leave it out.
-        reader.rest_of_line();
+        reader.unknown += usize::from(reader.rest_of_line().len() > 1);
         Ok(reader)
     }
 
@@ -204,6 +212,7 @@ impl<'a> Reader<'a> {
                 let from = extra.len().saturating_sub(2);
                 let numbers: Vec<f64> = extra.split_off(from).iter().filter_map(|word| word.parse().ok()).collect();
                 let finite = |k: usize| numbers.get(k).copied().filter(|x| x.is_finite()).unwrap_or_default();
+                self.unreadable += usize::from(numbers.iter().filter(|x| x.is_finite()).count() < 2);
                 self.textures.push([finite(0), finite(1)]);
             }
             // Many programs write colours without a C in the first word.
@@ -275,6 +284,15 @@ impl<'a> Reader<'a> {
         rest
     }
 
+    /// Sentences about what is not understood.
+    fn untidy(&self) -> Vec<String> {
+        let all = [
+            (self.unreadable, "colours or texture coordinates are not finite numbers and were read as 0"),
+            (self.unknown, "lines have numbers at their end that are no colour, and are not read"),
+        ];
+        all.into_iter().filter(|(count, _)| *count > 0).map(|(count, what)| format!("{count} {what}")).collect()
+    }
+
     fn wrong(&self, message: String) -> Error {
         Error::line(self.path, self.line.max(1), format!("not an OFF: {message}"), DAMAGED)
     }
@@ -284,8 +302,10 @@ impl<'a> Reader<'a> {
         self.bytes &= !words.iter().any(|word| word.contains('.'));
         let mut color = [0.0, 0.0, 0.0, f64::NAN];
         for (part, word) in color.iter_mut().zip(words) {
-            *part = word.parse().unwrap_or_default();
+            *part = word.parse().ok().filter(|x: &f64| x.is_finite()).unwrap_or_default();
         }
+        let is_number = |word: &&str| word.parse::<f64>().is_ok_and(f64::is_finite);
+        self.unreadable += usize::from(!words.iter().take(4).all(is_number));
         color
     }
 

@@ -20,6 +20,8 @@ pub struct Faces {
     pub color: Option<Scalar>,
     /// The faces of fewer than three corners, which are left out.
     pub short: usize,
+    /// The faces with texture coordinates whose list is of another length than their corners ask for.
+    pub uneven: usize,
     /// The face at hand.
     vertices: Vec<u32>,
 }
@@ -76,6 +78,7 @@ impl Faces {
         }
         if !face.wedges.is_empty() || !self.wedges.is_empty() {
             self.wedges.resize(self.polygons.corner_count(), [0.0; 2]);
+            self.uneven += usize::from(!face.wedges.is_empty() && face.wedges.len() != 2 * face.corners.len());
             let wedge = |k: usize| face.wedges.get(2 * k..2 * k + 2).map_or([0.0; 2], |uv| [uv[0], uv[1]]);
             self.wedges.extend((0..face.corners.len()).map(wedge));
         }

@@ -107,6 +107,10 @@ impl Header {
             match words[..] {
                 ["ply"] if header.lines == 1 => {}
                 _ if header.lines == 1 => return Err(wrong("it does not begin with `ply`".into())),
+                ["format", ..] if has_format => return Err(wrong("a second `format`".into())),
+                ["format", _, version] if version != "1.0" && version != "1" => {
+                    return Err(wrong(format!("version `{}`, expected 1.0", shown(version))));
+                }
                 ["format", name, _] => {
                     header.encoding =
                         Encoding::named(name).ok_or_else(|| wrong(format!("no format `{}`", shown(name))))?;
@@ -133,7 +137,9 @@ impl Header {
                     let Some(element) = header.elements.last_mut() else {
                         return Err(wrong("a property before any element".into()));
                     };
-                    if !names.insert((elements, property.name.clone())) && is_read(&element.name) {
+                    // Both are the corners of a face.
+                    let name = if property.name == "vertex_index" { "vertex_indices" } else { &property.name };
+                    if !names.insert((elements, name.to_owned())) && is_read(&element.name) {
                         return Err(wrong(format!(
                             "a second property `{}` of {}",
                             shown(&property.name),

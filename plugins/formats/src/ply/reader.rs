@@ -55,14 +55,21 @@ pub fn read(path: &Path, bytes: &[u8]) -> Result<MeshSequence> {
         other => other,
     })?;
     let by_vertex = |mesh: &Mesh| mesh.polygons.corners().iter().map(|&v| Some(v)).collect::<Vec<_>>();
-    mesh.normals = vertices.columns([3, 4, 5]).map(|values| attribute(values, by_vertex(&mesh)));
+    let mut unreadable = 0;
+    mesh.normals = vertices.columns([3, 4, 5]).map(|values| attribute(values, by_vertex(&mesh), &mut unreadable));
     mesh.texture_coordinates = match faces.texture_coordinates() {
         Some(of_corners) => {
             let indices = (0..).take(of_corners.len()).map(Some).collect();
-            Some(attribute(of_corners, indices))
+            Some(attribute(of_corners, indices, &mut unreadable))
         }
-        None => vertices.columns([6, 7]).map(|values| attribute(values, by_vertex(&mesh))),
+        None => vertices.columns([6, 7]).map(|values| attribute(values, by_vertex(&mesh), &mut unreadable)),
     };
+    if unreadable > 0 {
+        warnings.push(format!("{unreadable} texture coordinates or normals are not finite numbers and were read as 0"));
+    }
+    if faces.uneven > 0 {
+        warnings.push(format!("{} faces have a list `texcoord` of other than two numbers a corner", faces.uneven));
+    }
     mesh.vertex_colors = vertices.colors();
     left_out.extend(texture.map(|name| format!("the name of the texture file `{}`", shown(&name))));
     let colors_are_bytes = vertices.colors.or(faces.color).is_none_or(|scalar| scalar == Scalar::U8);
@@ -99,6 +106,7 @@ fn entries(path: &Path, bytes: &[u8]) -> Result<Entries> {
             }
         }
         entries.left_out.extend(unknown(element));
+        entries.warnings.extend(floating(element));
     }
     check_coordinates(path, &header, &entries.vertices)?;
     entries.double = header.elements.iter().any(|element| {
@@ -131,6 +139,25 @@ fn check_coordinates(path: &Path, header: &Header, vertices: &Vertices) -> Resul
     Err(Error::file(path, message, "name coordinates x, y and z in the header, or export the mesh again as PLY"))
 }
 
+/// The sentence about lists of a face whose lengths or corners are stored as numbers with a fraction.
+fn floating(element: &Element) -> Option<String> {
+    if !matches!(&*element.name, "face" | "tristrips") {
+        return None;
+    }
+    let is_float = |scalar: Scalar| matches!(scalar, Scalar::F32 | Scalar::F64);
+    let is_wrong = |p: &&Property| {
+        p.list.is_some_and(is_float) || p.list.is_some() && is_float(p.scalar) && p.name.starts_with("vertex_ind")
+    };
+    let names: Vec<_> = element.properties.iter().filter(is_wrong).map(|property| &property.name).collect();
+    (!names.is_empty()).then(|| {
+        format!(
+            "lists of {} whose lengths or vertices are `float`, where whole numbers belong: {}",
+            element.name,
+            quoted(&names)
+        )
+    })
+}
+
 /// The names of the properties of vertices and faces that are not read.
 fn unknown(element: &Element) -> Option<String> {
     let is_known: fn(&Property) -> bool = match element.name.as_str() {
@@ -143,8 +170,17 @@ fn unknown(element: &Element) -> Option<String> {
 }
 
 /// An attribute of corners; what is not finite is 0, since no stage depends on it.
-fn attribute<const N: usize>(mut values: Vec<[f64; N]>, indices: Vec<Option<u32>>) -> CornerAttribute<[f64; N]> {
-    values.iter_mut().flatten().filter(|x| !x.is_finite()).for_each(|x| *x = 0.0);
+///
+/// How many that were is added to `unreadable`.
+fn attribute<const N: usize>(
+    mut values: Vec<[f64; N]>,
+    indices: Vec<Option<u32>>,
+    unreadable: &mut usize,
+) -> CornerAttribute<[f64; N]> {
+    for value in values.iter_mut().filter(|value| !value.iter().all(|x| x.is_finite())) {
+        *unreadable += 1;
+        value.iter_mut().filter(|x| !x.is_finite()).for_each(|x| *x = 0.0);
+    }
     CornerAttribute { values, indices }
 }
 

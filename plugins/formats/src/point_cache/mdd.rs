@@ -113,7 +113,7 @@ impl Mdd {
         // Some programs write no times.
         let is_ascending = times.windows(2).all(|pair| pair[0] < pair[1]) && times.iter().all(|time| time.is_finite());
         if !is_ascending {
-            if frames > 1 && times.iter().any(|time| *time != 0.0) {
+            if times.iter().any(|time| *time != 0.0) {
                 let rate = self.frames_per_second;
                 warnings
                     .push(format!("the times of the frames do not ascend: they are read as {rate} frames a second"));

@@ -20,6 +20,9 @@ use crate::{
 /// Bytes of a position: three f32.
 const POSITION: u64 = 12;
 
+/// So many bytes are looked at before their poses are asked for, which takes a fraction of a second.
+const MAX_CHECKED: u64 = 1 << 28;
+
 /// The way out of a file that cannot be read.
 pub const DAMAGED: &str = "the file is damaged or cut short: export it again";
 
@@ -71,6 +74,32 @@ impl Samples {
         if wanted.is_none_or(|wanted| wanted > found) {
             let wanted = wanted.map_or("more than there can be".to_owned(), |wanted| wanted.to_string());
             return Err(format!("{samples} samples of {points} points take {wanted} bytes, the file has {found}"));
+        }
+        Ok(())
+    }
+
+    /// Reads all samples of a file that is not too long for that, and tells those with numbers that are not finite in `warnings`.
+    ///
+    /// # Errors
+    ///
+    /// Those of the file.
+    fn check(&self, warnings: &mut Vec<String>) -> Result<()> {
+        let length = self.points as u64 * POSITION;
+        let most = usize::try_from(MAX_CHECKED / length).unwrap_or(usize::MAX);
+        let mut bytes = vec![0; if most > 0 { length as usize } else { 0 }];
+        let (mut wrong, mut first) = (0, 0);
+        for sample in 0..self.times.len().min(most) {
+            self.file.read_at(self.start + sample as u64 * length, &mut bytes)?;
+            let is_finite = |word: &[u8; 4]| (self.decode)(*word).is_finite();
+            if !bytes.as_chunks().0.iter().all(is_finite) {
+                first = if wrong == 0 { sample } else { first };
+                wrong += 1;
+            }
+        }
+        if wrong > 0 {
+            warnings.push(format!(
+                "samples with coordinates that are not finite, which cannot be read: {wrong}, the first {first} (from 0)"
+            ));
         }
         Ok(())
     }
@@ -156,6 +185,9 @@ pub fn sequence(
         PoseChoice::Shapes => every,
         PoseChoice::Clips(choice) => frames(choice, &clips, &mut warnings).map_err(unknown)?,
     };
+    if selection.poses != PoseChoice::Nothing {
+        samples.check(&mut warnings)?;
+    }
     let rest = Mesh { positions: samples.at(rest)?, ..Mesh::default() };
     let seconds = chosen.iter().map(|frame| frame.seconds).collect();
     let poses = Arc::new(Poses { samples, seconds });

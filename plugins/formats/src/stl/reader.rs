@@ -26,7 +26,7 @@ pub fn is_stl(start: &[u8], length: u64) -> bool {
 ///
 /// [`Error::File`] if the file is cut short, a corner is no number, or there is no triangle.
 pub fn read(path: &Path, bytes: &[u8], warnings: &mut Vec<String>) -> Result<Mesh> {
-    let mesh = if is_text(bytes) { read_text(path, bytes)? } else { read_binary(path, bytes, warnings)? };
+    let mesh = if is_text(bytes) { read_text(path, bytes, warnings)? } else { read_binary(path, bytes, warnings)? };
     match mesh.validate() {
         Err(Error::Data { message, hint }) => Err(Error::file(path, message, hint)),
         other => other.map(|()| mesh),
@@ -93,13 +93,14 @@ fn read_binary(path: &Path, bytes: &[u8], warnings: &mut Vec<String>) -> Result<
     Ok(joined.mesh)
 }
 
-fn read_text(path: &Path, bytes: &[u8]) -> Result<Mesh> {
+fn read_text(path: &Path, bytes: &[u8], warnings: &mut Vec<String>) -> Result<Mesh> {
     let text = String::from_utf8_lossy(bytes);
     let mut joined = Joined::default();
     let mut loop_of: Option<Vec<u32>> = None;
     // In a facet, the number of triangles before it.
     let mut facet: Option<usize> = None;
-    let mut is_open = true;
+    let mut is_open = false;
+    let mut untidy = Untidy::default();
     let mut line = 0;
     // Some old programs end lines in CR alone.
     for content in text.split('\n').flat_map(|line| line.trim_end_matches('\r').split('\r')) {
@@ -118,12 +119,19 @@ fn read_text(path: &Path, bytes: &[u8]) -> Result<Mesh> {
                     if loop_of.is_some() || facet.is_some() {
                         return Err(not_closed());
                     }
+                    untidy.solids += usize::from(word == "solid");
+                    untidy.unclosed += usize::from(word == "solid" && is_open);
                     is_open = word == "solid";
                     break;
                 }
                 "facet" | "outer" if loop_of.is_some() => return Err(not_closed()),
                 "facet" if facet.is_some() => return Err(not_closed()),
-                "facet" => facet = Some(number),
+                "facet" => {
+                    untidy.outside += usize::from(!is_open);
+                    facet = Some(number);
+                }
+                "outer" if facet.is_none() => return Err(wrong("a loop outside of a facet".into())),
+                "outer" if facet != Some(number) => return Err(wrong(format!("facet {open} (from 0) has two loops"))),
                 "outer" => loop_of = Some(Vec::new()),
                 "endfacet" if loop_of.is_some() => return Err(not_closed()),
                 "endfacet" if facet.take() == Some(number) => {
@@ -155,7 +163,10 @@ fn read_text(path: &Path, bytes: &[u8]) -> Result<Mesh> {
                     }
                     joined.mesh.polygons.push(&corners);
                 }
-                _ => {}
+                // The normal, which stands in many ways.
+                _ if facet == Some(number) && loop_of.is_none() => {}
+                "endfacet" | "loop" => {}
+                other => untidy.skip(line, other),
             }
         }
     }
@@ -172,7 +183,44 @@ fn read_text(path: &Path, bytes: &[u8]) -> Result<Mesh> {
     if is_open {
         return Err(Error::line(path, line, "not an STL: the file ends without `endsolid`", DAMAGED));
     }
+    warnings.extend(untidy.sentences());
     Ok(joined.mesh)
+}
+
+/// What of a text is read though it is not as it should be.
+#[derive(Default)]
+struct Untidy {
+    solids: usize,
+    /// Solids in which another begins.
+    unclosed: usize,
+    /// Facets that stand in no solid.
+    outside: usize,
+    /// Words that have no place where they stand.
+    words: usize,
+    /// The first of them, with its line.
+    first: Option<(usize, String)>,
+}
+
+impl Untidy {
+    fn skip(&mut self, line: usize, word: &str) {
+        self.words += 1;
+        self.first.get_or_insert_with(|| (line, shown(word)));
+    }
+
+    fn sentences(self) -> Vec<String> {
+        let Self { solids, unclosed, outside, words, first } = self;
+        let (line, word) = first.unwrap_or_default();
+        let all = [
+            (solids > 1, format!("the file has {solids} solids: they are read as one mesh")),
+            (unclosed > 0, format!("solids without an `endsolid` before the next: {unclosed}")),
+            (outside > 0, format!("facets behind `endsolid`, which stand in no solid, are read too: {outside}")),
+            (
+                words > 0,
+                format!("words that have no place in an STL are skipped: {words}, the first `{word}` in line {line}"),
+            ),
+        ];
+        all.into_iter().filter(|(is_so, _)| *is_so).map(|(_, sentence)| sentence).collect()
+    }
 }
 
 /// Triangles whose equal corners are one vertex, by first use.

@@ -57,6 +57,19 @@ pub fn count(asset: &Asset, index: Index<Accessor>) -> Result<usize, String> {
     Ok(size(follow(&asset.root.accessors, index, "accessor")?.count))
 }
 
+/// Whether the bytes of accessor `index` lie within its buffer view; true if it has none, or is of no known type.
+pub fn check_reach(asset: &Asset, index: usize) -> bool {
+    let accessor = &asset.root.accessors[index];
+    let (Some(view), Checked::Valid(kind), Checked::Valid(component)) =
+        (accessor.buffer_view, accessor.type_, accessor.component_type)
+    else {
+        return true;
+    };
+    let entry = kind.multiplicity() * component.0.size();
+    let (offset, count) = (accessor.byte_offset.map_or(0, size), size(accessor.count));
+    asset.unpacked.contains_key(&index) || run(asset, view, offset, count, entry, true).is_ok()
+}
+
 /// Whether accessor `index` has data for all its entries.
 pub fn has_data(asset: &Asset, index: Index<Accessor>) -> bool {
     let accessor = asset.root.accessors.get(index.value());
@@ -89,7 +102,7 @@ fn read<const N: usize>(
             vec![[0.0; N]; count]
         }
     };
-    for (at, entry) in replaced(asset, accessor, &component, count)? {
+    for (at, entry) in replaced(asset, index, accessor, &component, count)? {
         values[at] = entry;
     }
     Ok(values)
@@ -109,7 +122,7 @@ pub fn few<const N: usize>(asset: &Asset, index: Index<Accessor>) -> Result<Opti
     }
     let read = || {
         check_type(N, &accessor.type_)?;
-        replaced(asset, accessor, &component(accessor, true)?, size(accessor.count))
+        replaced(asset, index, accessor, &component(accessor, true)?, size(accessor.count))
     };
     read().map(Some).map_err(|message| format!("accessor {index} {message}"))
 }
@@ -117,6 +130,7 @@ pub fn few<const N: usize>(asset: &Asset, index: Index<Accessor>) -> Result<Opti
 /// The sparse entries of an accessor of `count` entries, by their number; where two have one, the later.
 fn replaced<const N: usize>(
     asset: &Asset,
+    number: Index<Accessor>,
     accessor: &Accessor,
     component: &Component,
     count: usize,
@@ -125,6 +139,9 @@ fn replaced<const N: usize>(
     let Checked::Valid(kind) = sparse.indices.component_type else {
         return Err("replaces entries by an unknown component type".into());
     };
+    if kind.0 == ComponentType::F32 {
+        return Err("replaces entries by indices that are floats: expected whole numbers".into());
+    }
     let index = Component::new(kind.0, false);
     let entries = size(sparse.count);
     let (at, with) = (&sparse.indices, &sparse.values);
@@ -132,11 +149,16 @@ fn replaced<const N: usize>(
     let values = run(asset, with.buffer_view, size(with.byte_offset), entries, N * component.size, false)?;
     asset.take((N + 1) * entries)?;
     let mut replaced = BTreeMap::new();
+    let mut last = -1.0;
     for (at, entry) in indices.entries().zip(values.entries()) {
         let [at] = index.read::<1>(at);
         if !(at >= 0.0 && at < count as f64) {
             return Err(format!("replaces entry {at} of {count}"));
         }
+        if at <= last {
+            asset.unordered.borrow_mut().insert(number.value());
+        }
+        last = at;
         replaced.insert(at as usize, component.read(entry));
     }
     Ok(replaced.into_iter().collect())
@@ -211,7 +233,7 @@ mod tests {
         let root = json!({ "accessors": [accessor], "bufferViews": views, "buffers": [{ "byteLength": bytes.len() }] });
         let mut root = tolerant::reduce(&root).json;
         root["asset"]["version"] = "2.0".into();
-        Asset { root: serde_json::from_value(root).unwrap(), buffers: vec![bytes.to_vec()], ..Asset::default() }
+        Asset { root: serde_json::from_value(root).unwrap(), buffers: vec![bytes.to_vec().into()], ..Asset::default() }
     }
 
     #[test]

@@ -1,9 +1,14 @@
 //! A glTF with all its bytes.
 
-use std::{cell::Cell, collections::BTreeMap};
+use std::{
+    cell::{Cell, RefCell},
+    collections::{BTreeMap, BTreeSet},
+};
 
 use gltf::json::{Index, Root, validation::USize64};
 use serde_json::Value;
+
+use crate::gltf::document::{Buffer, bytes_of};
 
 /// A glTF with all its bytes.
 #[derive(Debug, Default)]
@@ -13,7 +18,7 @@ pub struct Asset {
     /// The JSON, with nothing taken out; it has f64 where [`Root`] has f32.
     pub json: Value,
     /// The contents of its buffers.
-    pub buffers: Vec<Vec<u8>>,
+    pub buffers: Vec<Buffer>,
     /// The contents of compressed buffer views, by number.
     pub decompressed: BTreeMap<usize, Vec<u8>>,
     /// The contents of accessors whose primitives are compressed, without gaps, by number.
@@ -24,6 +29,8 @@ pub struct Asset {
     pub bytes: usize,
     /// The numbers that were read, vertices and corners included.
     pub taken: Cell<usize>,
+    /// The accessors whose sparse entries are not in order, by number, as far as they were read.
+    pub unordered: RefCell<BTreeSet<usize>>,
 }
 
 /// Files that are small in their compressed form may still grow to this many bytes.
@@ -41,14 +48,13 @@ const MAX_GROWTH: usize = 64;
 impl Asset {
     /// The bytes that all compressed data may have together: a small file must not ask for all memory.
     pub fn room(&self) -> usize {
-        let bytes: usize = self.buffers.iter().map(Vec::len).sum();
-        bytes.saturating_mul(MAX_GROWTH).max(SMALL)
+        bytes_of(&self.buffers).saturating_mul(MAX_GROWTH).max(SMALL)
     }
 
     /// Counts [`bytes`](Self::bytes).
     pub fn count_bytes(&mut self) {
         let compressed = self.decompressed.values().chain(self.unpacked.values());
-        self.bytes = self.buffers.iter().chain(compressed).map(Vec::len).sum();
+        self.bytes = bytes_of(&self.buffers) + compressed.map(Vec::len).sum::<usize>();
     }
 
     /// Counts `numbers` that are about to be read or made.

@@ -23,7 +23,7 @@ use super::{
     scene::Placed,
     skin::{Influences, Skin},
 };
-use crate::gltf::document::Transforms;
+use crate::{gltf::document::Transforms, names::shown};
 
 /// Files with more vertices are refused: a small file that shows one mesh under many nodes must not ask for all memory.
 const MAX_VERTICES: usize = 1 << 26;
@@ -90,7 +90,7 @@ impl<'a> Builder<'a> {
         let mut shared = HashMap::new();
         for &index in &placed.primitives {
             let added = self.add_primitive(placed, index, &names, &mut shared);
-            added.map_err(|message| format!("mesh `{}`, primitive {index}: {message}", placed.name))?;
+            added.map_err(|message| format!("mesh `{}`, primitive {index}: {message}", shown(&placed.name)))?;
         }
         Ok(())
     }
@@ -261,8 +261,10 @@ pub fn assemble(
     if let Some((piece, message)) = unread.first() {
         let Piece { object, primitive, .. } = piece;
         let others = if unread.len() > 1 { format!(" ({} such in all)", unread.len()) } else { String::new() };
-        warnings
-            .push(format!("an attribute of mesh `{object}`, primitive {primitive} was left out: {message}{others}"));
+        warnings.push(format!(
+            "an attribute of mesh `{}`, primitive {primitive} was left out: {message}{others}",
+            shown(object)
+        ));
     }
     let used: HashSet<usize> = pieces.iter().filter_map(|piece| piece.material).collect();
     mesh.materials = materials::read(asset, &used);

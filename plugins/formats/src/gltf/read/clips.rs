@@ -14,8 +14,12 @@ use super::{
     asset::{Asset, follow},
     nodes::Local,
     sampler::Sampler,
+    untidy::Told,
 };
 use crate::names::{all_distinct, shown};
+
+/// No more clips are told one by one.
+const MAX_TOLD: usize = 20;
 
 /// The weights of the morph targets of a node, which others may share.
 pub type Weights = Arc<[f64]>;
@@ -43,6 +47,8 @@ pub fn read(asset: &mut Asset) -> Vec<Clip> {
         animation.name.clone().filter(|name| !name.is_empty()).unwrap_or_else(|| index.to_string())
     };
     let names = all_distinct(animations.iter().enumerate().map(given));
+    let (mut told, mut left_out) = (Told::default(), Vec::new());
+    let mut untidy: [Vec<String>; 3] = Default::default();
     let mut warnings = Vec::new();
     let mut clips = Vec::new();
     for (animation, name) in animations.iter().zip(names) {
@@ -55,18 +61,34 @@ pub fn read(asset: &mut Asset) -> Vec<Clip> {
         }
         if let Some(problem) = problems.first() {
             let count = problems.len();
-            warnings.push(format!(
+            left_out.push(format!(
                 "{count} channels of the clip `{}` were left out, the first since {problem}",
                 shown(&name)
             ));
         }
         let clip = Clip { name, channels };
         let [first, last] = clip.span();
+        for (untidy, is_wrong) in untidy.iter_mut().zip(clip.untidy(animation)) {
+            untidy.extend(is_wrong.then(|| clip.name.clone()));
+        }
         if first == last && clip.channels.iter().any(|channel| channel.sampler.times.len() > 1) {
-            warnings.push(format!("the clip `{}` has no length: all its keys are at {first} s", shown(&clip.name)));
+            left_out.push(format!("the clip `{}` has no length: all its keys are at {first} s", shown(&clip.name)));
         }
         clips.push(clip);
     }
+    let more = left_out.len().saturating_sub(MAX_TOLD);
+    left_out.truncate(MAX_TOLD);
+    warnings.append(&mut left_out);
+    if more > 0 {
+        warnings.push(format!("{more} further clips have channels that were left out, or no length"));
+    }
+    let sentences = [
+        "clips that have several keys at one time, and jump there",
+        "clips that move one property of a node twice: the last counts",
+        "clips without channels, which move nothing",
+    ];
+    sentences.into_iter().zip(untidy).for_each(|(sentence, names)| told.tell(sentence, names));
+    warnings.append(&mut told.sentences);
     asset.warnings.extend(warnings);
     clips
 }
@@ -103,6 +125,19 @@ fn read_channel(asset: &Asset, animation: &json::Animation, channel: &JsonChanne
 }
 
 impl Clip {
+    /// Whether it has keys at one time but for a clip of no length, two channels of one thing, or no channel.
+    fn untidy(&self, animation: &json::Animation) -> [bool; 3] {
+        let [first, last] = self.span();
+        let samplers = || self.channels.iter().map(|channel| &channel.sampler);
+        let mut moved = HashSet::new();
+        let has_twice = !self.channels.iter().all(|channel| moved.insert((channel.node, channel.property as u8)));
+        [
+            first < last && samplers().any(|sampler| sampler.times.windows(2).any(|pair| pair[0] == pair[1])),
+            has_twice,
+            animation.channels.is_empty(),
+        ]
+    }
+
     /// Moves what the clip moves to where it is at `seconds`; all else stays.
     pub fn apply(&self, seconds: f64, locals: &mut [Local], weights: &mut [Weights]) {
         for channel in &self.channels {

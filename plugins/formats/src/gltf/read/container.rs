@@ -1,5 +1,7 @@
 //! The chunks of a binary glTF.
 
+use crate::names::quoted;
+
 /// The chunks that matter.
 #[derive(Debug)]
 pub struct Chunks<'b> {
@@ -48,6 +50,7 @@ pub fn chunks(bytes: &[u8]) -> Result<Chunks<'_>, String> {
     let mut at = 12;
     let (mut json, mut binary, mut others, mut warnings) = (None, None, 0, Vec::new());
     let found = bytes.len();
+    let mut kinds = Vec::new();
     // A length that counts padding that is not there is usual.
     if found < length.saturating_sub(MAX_PADDING) || found > length + MAX_PADDING {
         warnings.push(format!("the header of the GLB says {length} bytes, the file has {found}"));
@@ -55,6 +58,7 @@ pub fn chunks(bytes: &[u8]) -> Result<Chunks<'_>, String> {
     while at + 8 <= bytes.len() {
         let (size, kind) = (number(at)?, &bytes[at + 4..at + 8]);
         let rest = &bytes[at + 8..];
+        kinds.push(kind);
         let is_cut = size > rest.len();
         let is_binary = kind == b"BIN\0";
         if is_cut && (!is_binary || size - rest.len() > MAX_PADDING) {
@@ -85,7 +89,9 @@ pub fn chunks(bytes: &[u8]) -> Result<Chunks<'_>, String> {
         if length > bytes.len() {
             format!("GLB is cut short: its header says {length} bytes, the file has {}", bytes.len())
         } else {
-            "GLB without a JSON chunk".into()
+            let kinds: Vec<String> = kinds.iter().map(|kind: &&[u8]| kind.escape_ascii().to_string()).collect();
+            let found = if kinds.is_empty() { String::new() } else { format!(", with chunks {}", quoted(&kinds)) };
+            format!("GLB without a JSON chunk{found}")
         }
     })?;
     Ok(Chunks { json, binary, others, warnings })

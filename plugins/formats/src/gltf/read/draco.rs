@@ -15,6 +15,7 @@ use super::{
     asset::{Asset, follow, size},
     views::view_bytes,
 };
+use crate::names::shown;
 
 /// The name of the extension.
 pub const NAME: &str = "KHR_draco_mesh_compression";
@@ -43,7 +44,7 @@ pub fn unpack(asset: &Asset, is_needed: &dyn Fn(usize, usize) -> bool) -> Result
                 Ok(decoded)
             });
             unpacked.extend(decoded.map_err(|message| {
-                let name = mesh.name.as_deref().unwrap_or("without a name");
+                let name = shown(mesh.name.as_deref().unwrap_or("without a name"));
                 format!("mesh `{name}`, primitive {index} is compressed with {NAME} and cannot be decoded: {message}")
             })?);
         }

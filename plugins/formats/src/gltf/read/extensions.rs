@@ -6,7 +6,7 @@ use gltf::json::{Accessor, Index, mesh::Primitive};
 use serde_json::{Map, Value};
 
 use super::{asset::Asset, draco};
-use crate::names::quoted;
+use crate::names::{quoted, shown};
 
 /// The way out where a mesh is compressed.
 pub const UNCOMPRESS: &str = "export it without compression, or undo it: `npx @gltf-transform/cli copy in.glb out.glb`";
@@ -26,17 +26,17 @@ pub fn check(asset: &Asset, is_needed: &dyn Fn(usize, usize) -> bool) -> Result<
             if !is_needed(mesh_index, index) {
                 continue;
             }
-            let name = mesh.name.as_deref().map_or_else(|| mesh_index.to_string(), |name| format!("`{name}`"));
+            let name = mesh.name.as_deref().map_or_else(|| mesh_index.to_string(), |name| format!("`{}`", shown(name)));
             let place = format!("mesh {name}, primitive {index}");
             if let Some(extension) = without_data(asset, primitive) {
-                let message = format!("{place} is compressed with {extension}, which is not supported");
+                let message = format!("{place} is compressed with {}, which is not supported", shown(extension));
                 return Err((message, UNCOMPRESS));
             }
             let used = used_by(asset, primitive);
             let unknown =
                 used.iter().find(|&&name| required.contains(name) && !KNOWN.contains(&name) && !is_look(name));
             if let Some(extension) = unknown {
-                let message = format!("{place} requires the extension {extension}, which is not supported");
+                let message = format!("{place} requires the extension {}, which is not supported", shown(extension));
                 return Err((message, "export it without the extension"));
             }
         }

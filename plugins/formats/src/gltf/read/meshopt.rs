@@ -10,6 +10,7 @@ use meshopt::{
 use serde_json::{Map, Value};
 
 use super::asset::Asset;
+use crate::names::shown;
 
 const NAMES: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
 
@@ -57,7 +58,7 @@ fn decode(asset: &Asset, settings: &Map<String, Value>, room: usize) -> Result<V
         let Some(value) = found else { return default.ok_or_else(|| format!("`{key}` is missing")) };
         // Some writers give whole numbers as floats.
         let number = value.as_f64().filter(|x| x.fract() == 0.0 && (0.0..9e15).contains(x));
-        Ok(number.ok_or_else(|| format!("`{key}` is {value}: expected a whole number"))? as usize)
+        Ok(number.ok_or_else(|| format!("`{key}` is {}: expected a whole number", shown(&value.to_string())))? as usize)
     };
     let buffer = number("buffer", None)?;
     let bytes = asset.buffers.get(buffer).ok_or_else(|| format!("buffer {buffer} does not exist"))?;
@@ -88,7 +89,7 @@ fn decode(asset: &Asset, settings: &Map<String, Value>, room: usize) -> Result<V
         "INDICES" if stride == 4 => {
             Ok(flat(decode_index_sequence::<u32>(bytes, count).map_err(failed)?, u32::to_le_bytes))
         }
-        mode => Err(format!("entries of {stride} bytes in mode `{mode}` are not known")),
+        mode => Err(format!("entries of {stride} bytes in mode `{}` are not known", shown(mode))),
     }
 }
 
@@ -147,7 +148,7 @@ fn filtered(mut bytes: Vec<u8>, stride: usize, filter: &str) -> Result<Vec<u8>, 
         }
         ("COLOR", 4) => from_small(edited(small(&bytes), decode_filter_color)),
         ("COLOR", 8) => from_large(edited(large(&bytes), decode_filter_color)),
-        _ => return Err(format!("the filter `{filter}` is not known for entries of {stride} bytes")),
+        _ => return Err(format!("the filter `{}` is not known for entries of {stride} bytes", shown(filter))),
     };
     Ok(bytes)
 }

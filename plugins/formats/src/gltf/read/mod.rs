@@ -5,7 +5,7 @@
 //! - [`nodes`], [`scene`], [`skin`], [`morphs`], [`sampler`] and [`clips`]: what places and moves vertices;
 //! - [`evaluator`] and [`poses`]: positions in any state of that;
 //! - [`primitive`], [`attributes`], [`materials`], [`builder`] and [`reader`]: the mesh;
-//! - [`empties`]: nodes that stand for points; [`untidy`]: warnings of what is read though it is not as it should be.
+//! - [`empties`]: nodes that stand for points; [`untidy`], [`untidy_data`] and [`untidy_joints`]: warnings of what is read though it is not as it should be.
 
 mod accessor;
 mod asset;
@@ -31,6 +31,8 @@ mod skin;
 mod tolerant;
 mod tree;
 mod untidy;
+mod untidy_data;
+mod untidy_joints;
 mod uri;
 mod views;
 

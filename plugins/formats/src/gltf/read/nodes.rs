@@ -126,7 +126,7 @@ impl Nodes {
 /// A node in messages.
 pub fn name(asset: &Asset, node: usize) -> String {
     let given = asset.root.nodes.get(node).and_then(|node| node.name.as_deref()).filter(|name| !name.is_empty());
-    given.map_or_else(|| format!("node {node}"), |name| format!("node `{name}`"))
+    given.map_or_else(|| format!("node {node}"), |name| format!("node `{}`", shown(name)))
 }
 
 fn local(asset: &Asset, node: usize) -> Result<Local, String> {

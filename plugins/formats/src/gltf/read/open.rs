@@ -1,6 +1,6 @@
 //! Opening a glTF: its JSON, its buffers, and what is compressed in them.
 
-use std::collections::HashSet;
+use std::{collections::HashSet, sync::Arc};
 
 use gltf::json::Root;
 use mimesh_core::{Error, Result, stage::FileInput};
@@ -11,10 +11,17 @@ use super::{
     container::{Binary, MAX_PADDING, chunks},
     draco, extensions, meshopt, tolerant, uri,
 };
-use crate::names::{quoted, shown};
+use crate::{
+    beside::FilesBeside,
+    gltf::document::Buffer,
+    names::{quoted, shown},
+};
 
 /// Files with more buffers than this have no more bytes in them than [`MAX_REFERRED`].
 const MAX_BUFFERS: usize = 256;
+
+/// No system has longer paths.
+const MAX_PATH: usize = 4096;
 
 /// See [`MAX_BUFFERS`].
 const MAX_REFERRED: usize = 1 << 28;
@@ -35,8 +42,7 @@ impl Asset {
         let tolerant::Reduced { json: reduced, pointing } = tolerant::reduce(&json);
         check_version(&json, reduced["asset"]["version"].as_str().unwrap_or_default())
             .map_err(|(message, hint)| Error::file(path, message, hint))?;
-        let root: Root = serde_path_to_error::deserialize(reduced)
-            .map_err(|problem| damaged(format!("not the JSON of a glTF: {}: {}", problem.path(), problem.inner())))?;
+        let root: Root = serde_path_to_error::deserialize(reduced).map_err(|problem| damaged(wrong_value(&problem)))?;
         let mut asset = Self { root, json, warnings: chunks.warnings, ..Self::default() };
         if !doubles.is_empty() {
             let names = quoted(&doubles);
@@ -50,15 +56,30 @@ impl Asset {
         }
         let fallbacks = meshopt::fallbacks(&asset.root);
         let mut referred: usize = 0;
+        let mut beside = FilesBeside::new(input);
         for index in 0..asset.root.buffers.len() {
-            let bytes = asset.load(input, index, chunks.binary, &fallbacks)?;
-            // Buffers may name one file again and again.
-            referred = referred.saturating_add(bytes.len());
+            let before = beside.len();
+            let buffer = asset.load(&mut beside, index, chunks.binary, &fallbacks)?;
+            // A file that several buffers name takes room once.
+            if before < beside.len() || asset.root.buffers[index].uri.as_deref().is_none_or(|uri| !uri::is_file(uri)) {
+                referred = referred.saturating_add(buffer.file.len());
+            }
             if index >= MAX_BUFFERS && referred > MAX_REFERRED {
                 let message = format!("{} buffers of more than {MAX_REFERRED} bytes in all", asset.root.buffers.len());
                 return Err(Error::file(path, message, "export the file with one buffer, e.g. as .glb"));
             }
-            asset.buffers.push(bytes);
+            asset.buffers.push(buffer);
+        }
+        let is_longer = |(index, buffer): (usize, &Buffer)| {
+            let length = asset.root.buffers[index].byte_length.0;
+            (length > 0 && buffer.file.len() as u64 > length.saturating_add(MAX_PADDING as u64))
+                .then(|| index.to_string())
+        };
+        let longer: Vec<_> = asset.buffers.iter().enumerate().filter_map(is_longer).collect();
+        if !longer.is_empty() {
+            asset
+                .warnings
+                .push(format!("buffers of more bytes than the file says, which are left out: {}", quoted(&longer)));
         }
         asset.decompressed = meshopt::decompress(&asset).map_err(damaged)?;
         asset.count_bytes();
@@ -75,19 +96,27 @@ impl Asset {
     }
 
     /// The contents of the images in files of their own, by number; one that may not be read stays a reference.
-    pub fn read_images(&mut self, input: &dyn FileInput) -> Vec<(usize, Vec<u8>)> {
+    pub fn read_images(&mut self, input: &dyn FileInput) -> Vec<(usize, Arc<Vec<u8>>)> {
         let images = self.json["images"].as_array();
         let uris = images.into_iter().flatten().map(|image| image["uri"].as_str().filter(|uri| uri::is_file(uri)));
         let (mut contents, mut unread) = (Vec::new(), Vec::new());
+        let mut beside = FilesBeside::new(input);
+        let mut refusal = String::new();
         for (index, uri) in uris.enumerate() {
             let Some(uri) = uri else { continue };
-            match input.referenced(&uri::decoded(uri)) {
+            match beside.read(&uri::decoded(uri)) {
                 Ok(bytes) => contents.push((index, bytes)),
-                Err(_) => unread.push(uri.to_owned()),
+                Err(error) => {
+                    // That there is too little memory is for the user to change.
+                    if matches!(error, Error::Memory { .. }) {
+                        refusal = format!(" ({error})");
+                    }
+                    unread.push(uri.to_owned());
+                }
             }
         }
         if !unread.is_empty() {
-            self.warnings.push(format!("images that cannot be read stay references: {}", quoted(&unread)));
+            self.warnings.push(format!("images that cannot be read stay references: {}{refusal}", quoted(&unread)));
         }
         contents
     }
@@ -107,23 +136,23 @@ impl Asset {
     /// The bytes of buffer `index`.
     fn load(
         &self,
-        input: &dyn FileInput,
+        beside: &mut FilesBeside<'_>,
         index: usize,
         binary: Option<Binary>,
         fallbacks: &HashSet<usize>,
-    ) -> Result<Vec<u8>> {
-        let path = input.path();
+    ) -> Result<Buffer> {
+        let path = beside.path();
         let buffer = &self.root.buffers[index];
         let fail = |message: String| Error::file(path, format!("buffer {index} {message}"), DAMAGED);
         let length = usize::try_from(buffer.byte_length.0).unwrap_or(usize::MAX);
         let mut is_cut = false;
-        let mut bytes = match &buffer.uri {
+        let bytes = match &buffer.uri {
             None if index == 0 && binary.is_some() => {
                 let Binary { bytes, is_cut: cut } = binary.expect("the guard saw it");
                 is_cut = cut;
-                bytes.to_vec()
+                Arc::new(bytes.to_vec())
             }
-            None if length == 0 || fallbacks.contains(&index) => return Ok(Vec::new()),
+            None if length == 0 || fallbacks.contains(&index) => return Ok(Buffer::default()),
             None => return Err(fail("has no data".into())),
             Some(uri) if uri.is_empty() => return Err(fail("has an empty URI".into())),
             Some(uri) if uri.contains("://") && !uri.starts_with("data:") => {
@@ -131,11 +160,17 @@ impl Asset {
                     true => "name the file by its path from the glTF instead",
                     false => "download it, and name the file beside the glTF instead",
                 };
-                return Err(Error::file(path, format!("buffer {index} lies at {uri}"), hint));
+                return Err(Error::file(path, format!("buffer {index} lies at `{}`", shown(uri)), hint));
             }
             Some(uri) => match uri::data(uri) {
-                Some(data) => data.map_err(fail)?,
-                None => input.referenced(&uri::decoded(uri))?,
+                Some(data) => Arc::new(data.map_err(fail)?),
+                None => {
+                    let name = uri::decoded(uri);
+                    if name.len() > MAX_PATH || name.contains(char::is_control) {
+                        return Err(fail(format!("lies in `{}`: expected the path of a file", shown(uri))));
+                    }
+                    beside.read(&name)?
+                }
             },
         };
         // Whether all numbers are there is checked where they are read.
@@ -144,10 +179,8 @@ impl Asset {
             return Err(fail(format!("is cut short: expected {length} bytes, found {}", bytes.len())));
         }
         // A length that is left out in the JSON is 0 in the model.
-        if length > 0 {
-            bytes.truncate(length);
-        }
-        Ok(bytes)
+        let length = if length > 0 { length.min(bytes.len()) } else { bytes.len() };
+        Ok(Buffer { file: bytes, length, padding: 0 })
     }
 
     fn warn_of_pointers(&mut self, pointing: &[usize]) {
@@ -158,6 +191,17 @@ impl Asset {
         let names: Vec<_> = pointing.iter().map(name).collect();
         self.warnings.push(format!("animation channels that move no node were left out: {}", quoted(&names)));
     }
+}
+
+/// The message about a value that is of another kind than expected; neither keys nor values of the file make it long.
+fn wrong_value(problem: &serde_path_to_error::Error<serde_json::Error>) -> String {
+    let (path, kind) = (problem.path().to_string(), problem.inner().to_string());
+    // The expected kind stands at the end.
+    let kind = match kind.rsplit_once(", expected ") {
+        Some((found, expected)) => format!("{}, expected {}", shown(found), shown(expected)),
+        None => shown(&kind),
+    };
+    format!("not the JSON of a glTF: {}: {kind}", shown(&path))
 }
 
 /// Checks that a file is a glTF 2.x that readers of 2.0 may read; `version` is what its JSON says.
@@ -209,7 +253,7 @@ mod tests {
             let json = format!(
                 r#"{{ "asset": {{ "version": "2" }}, "buffers": [{{ "byteLength": {length}, "uri": "data:;base64,AAEC" }}] }}"#
             );
-            Asset::read(&BytesInput::new("m.gltf", json)).map(|asset| asset.buffers)
+            Asset::read(&BytesInput::new("m.gltf", json)).map(|asset| asset.buffers[0].to_vec())
         };
         assert_eq!(read(2).unwrap(), [[0, 1]]);
         assert_eq!(read(6).unwrap(), [[0, 1, 2]]);

@@ -16,7 +16,8 @@ use super::{
     nodes::Nodes,
     poses::{self, NamedShape},
     scene::{self, Placed},
-    untidy,
+    untidy::{self, Told},
+    untidy_data, untidy_joints,
 };
 use crate::{
     gltf::document::{GltfDocument, Placement, RestingNode, Transforms},
@@ -62,8 +63,11 @@ pub fn read(input: &dyn FileInput, selection: &Selection) -> Result<MeshSequence
         shapes.into_iter().zip(names).map(|(shape, name)| NamedShape { name, targets: shape.targets }).collect();
     let weights = stored_weights(&asset);
     warn(&mut asset, &placed, &weights, &thin);
-    let untidy = untidy::warnings(&asset, &nodes, &placed, &runs);
-    asset.warnings.extend(untidy);
+    let mut told = Told::default();
+    untidy::warnings(&asset, &nodes, &placed, &runs, &mut told);
+    untidy_data::warnings(&asset, &placed, &mut told);
+    untidy_joints::warnings(&asset, &nodes, &placed, &runs, &mut told);
+    asset.warnings.extend(told.sentences);
     let clips = clips::read(&mut asset);
     let animations = clips::list(&asset, &clips);
 
@@ -138,7 +142,7 @@ fn warn(asset: &mut Asset, placed: &[Placed], weights: &[Weights], thin: &[Strin
 /// The file as it is, for a writer.
 fn document(
     asset: &mut Asset,
-    images: Vec<(usize, Vec<u8>)>,
+    images: Vec<(usize, Arc<Vec<u8>>)>,
     evaluator: &Evaluator,
     pieces: &[Piece],
     transforms: Vec<Transforms>,
@@ -158,7 +162,7 @@ fn document(
     let mut buffers = std::mem::take(&mut asset.buffers);
     for (buffer, described) in buffers.iter_mut().zip(&asset.root.buffers).filter(|(buffer, _)| !buffer.is_empty()) {
         // Padding that the file counts but does not hold.
-        buffer.resize(buffer.len().max(described.byte_length.0 as usize), 0);
+        buffer.padding = (described.byte_length.0 as usize).saturating_sub(buffer.length);
     }
     GltfDocument {
         json: std::mem::take(&mut asset.json),

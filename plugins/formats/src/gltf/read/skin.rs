@@ -9,6 +9,7 @@ use super::{
     accessor::{numbers, whole},
     asset::{Asset, get},
     primitive::attribute,
+    untidy_joints::is_affine,
 };
 
 /// The joints of a skin.
@@ -59,6 +60,13 @@ impl Skin {
             linear.determinant().is_nan() || linear.determinant().abs() <= MIN_DETERMINANT * lengths
         };
         self.joints.iter().zip(&self.inverse_bind).filter(move |(_, matrix)| is_flat(matrix)).map(|(joint, _)| *joint)
+    }
+
+    /// The joints whose inverse bind matrix is no affine transform.
+    pub fn projective(&self) -> impl Iterator<Item = usize> {
+        let pairs = self.joints.iter().zip(&self.inverse_bind);
+        // One of zeros is singular, which is told.
+        pairs.filter(|(_, matrix)| !is_affine(matrix) && matrix.amax() > 0.0).map(|(joint, _)| *joint)
     }
 
     /// The transforms from the stored mesh to the scene, one a joint, when the nodes are at `worlds`.

@@ -12,15 +12,25 @@ use super::{
 };
 use crate::names::quoted;
 
-/// The sentences about nodes, skins, buffer views and indices.
-pub fn warnings(asset: &Asset, nodes: &Nodes, placed: &[Placed], runs: &[Run]) -> Vec<String> {
-    let root = &asset.root;
-    let mut found = Vec::new();
-    let mut tell = |what: &str, names: Vec<String>| {
+/// Sentences about what is untidy.
+#[derive(Debug, Default)]
+pub struct Told {
+    pub sentences: Vec<String>,
+}
+
+impl Told {
+    /// Adds a sentence about the things called `names`, if there are any.
+    pub fn tell(&mut self, what: &str, names: Vec<String>) {
         if !names.is_empty() {
-            found.push(format!("{what}: {}", quoted(&names)));
+            self.sentences.push(format!("{what}: {}", quoted(&names)));
         }
-    };
+    }
+}
+
+/// The sentences about nodes, skins, buffer views and indices.
+pub fn warnings(asset: &Asset, nodes: &Nodes, placed: &[Placed], runs: &[Run], told: &mut Told) {
+    let root = &asset.root;
+    let mut tell = |what: &str, names: Vec<String>| told.tell(what, names);
     let all = || 0..root.nodes.len();
     let named = |node: usize| name(asset, node).trim_start_matches("node ").trim_matches('`').to_owned();
     let is_still = |node: &usize| matches!(nodes.locals[*node], Local::Parts { rotation, .. } if rotation == [0.0; 4]);
@@ -77,9 +87,8 @@ pub fn warnings(asset: &Asset, nodes: &Nodes, placed: &[Placed], runs: &[Run]) -
     tell("joints whose inverse bind matrix is singular", flat.into_iter().map(named).collect());
     let uneven: usize = runs.iter().flat_map(|run| &run.skin).map(|(_, influences)| influences.uneven).sum();
     if uneven > 0 {
-        found.push(format!(
+        told.sentences.push(format!(
             "the weights of joints at {uneven} vertices are negative or do not sum to 1: they are divided by their sum"
         ));
     }
-    found
 }

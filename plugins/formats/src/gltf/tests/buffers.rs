@@ -60,7 +60,7 @@ fn buffers_of_other_files_follow_the_first() {
     let (after, warnings) = written(|document| {
         // A first buffer of three bytes; positions and normals, and the indices, in files of their own.
         let all = document.buffers.remove(0);
-        document.buffers = vec![vec![7, 8, 9], all[..96].to_vec(), all[96..].to_vec()];
+        document.buffers = vec![vec![7, 8, 9].into(), all[..96].to_vec().into(), all[96..].to_vec().into()];
         document.json["buffers"] = json!([
             { "byteLength": 3, "name": "mine" }, { "byteLength": 96, "uri": "a.bin" }, { "byteLength": 12, "uri": "b.bin" },
         ]);
@@ -82,7 +82,7 @@ fn compressed_views_are_written_out() {
     for other_use in [false, true] {
         let (after, warnings) = written(|document| {
             let all = document.buffers.remove(0);
-            document.buffers = vec![vec![1; 8], Vec::new()];
+            document.buffers = vec![vec![1; 8].into(), Vec::new().into()];
             let fallback = json!({ "EXT_meshopt_compression": { "fallback": true } });
             document.json["buffers"] = json!([{ "byteLength": 8 }, { "byteLength": 108, "extensions": fallback }]);
             let packed = json!({ "buffer": 0, "byteOffset": 0, "byteLength": 8, "byteStride": 12, "mode": "ATTRIBUTES", "count": 4 });

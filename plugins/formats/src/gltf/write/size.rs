@@ -3,7 +3,7 @@
 use mimesh_core::{Result, mesh::Mesh};
 
 use super::{options::Options, output::check_length, patch, plan::Plan};
-use crate::gltf::document::GltfDocument;
+use crate::gltf::document::{self, GltfDocument};
 
 /// Checks that a GLB of `mesh` with `poses` poses in which every vertex moves goes into its 4 GiB, JSON not counted.
 ///
@@ -48,9 +48,10 @@ fn rest_bytes(corners: usize, vertices: usize) -> u64 {
 
 /// All bytes that a file brings with it.
 fn bytes_of(document: &GltfDocument) -> u64 {
-    let images = document.images.iter().map(|(_, bytes)| bytes);
+    let images = document.images.iter().map(|(_, bytes)| &**bytes);
     let parts = images.chain(document.decompressed.values()).chain(document.unpacked.values());
-    document.buffers.iter().chain(parts).map(|bytes| bytes.len() as u64).sum()
+    let parts: u64 = parts.map(|bytes| bytes.len() as u64).sum();
+    parts + document::bytes_of(&document.buffers) as u64
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! All bytes of a document in one buffer: its buffers, what was compressed, and images that lay beside it.
 
-use std::io;
+use std::{collections::HashMap, io, sync::Arc};
 
 use serde_json::{Value, json};
 
@@ -9,7 +9,10 @@ use super::{
     extension::{forget_extension, remove_extension},
     stored::{list, number},
 };
-use crate::gltf::{document::GltfDocument, write::binary::Binary};
+use crate::gltf::{
+    document::{Buffer, GltfDocument},
+    write::binary::Binary,
+};
 
 /// The extensions by which buffer views are compressed, for which `decompressed` of a document stands in.
 const COMPRESSIONS: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
@@ -28,10 +31,7 @@ pub fn gather(
     binary: &mut Binary,
     warnings: &mut Vec<String>,
 ) -> io::Result<()> {
-    let mut starts = Vec::new();
-    for bytes in &document.buffers {
-        starts.push(binary.append(bytes)?);
-    }
+    let starts = append(&document.buffers, binary)?;
     binary.views = take(json, "bufferViews");
     binary.accessors = take(json, "accessors");
     decompress(document, json, binary, warnings)?;
@@ -58,6 +58,30 @@ pub fn gather(
     Ok(())
 }
 
+/// Appends `buffers`, of those that share a file the longest in place of all; where each of them starts.
+fn append(buffers: &[Buffer], binary: &mut Binary) -> io::Result<Vec<u64>> {
+    let mut longest: HashMap<*const Vec<u8>, &Buffer> = HashMap::new();
+    for buffer in buffers {
+        let known = longest.entry(Arc::as_ptr(&buffer.file)).or_insert(buffer);
+        if buffer.length + buffer.padding > known.length + known.padding {
+            *known = buffer;
+        }
+    }
+    let mut known: HashMap<*const Vec<u8>, u64> = HashMap::new();
+    let mut starts = Vec::new();
+    for buffer in buffers {
+        let file = Arc::as_ptr(&buffer.file);
+        let start = match known.get(&file) {
+            Some(&start) => start,
+            None if longest[&file].padding == 0 => binary.append(longest[&file])?,
+            None => binary.append(&[longest[&file], &vec![0; longest[&file].padding][..]].concat())?,
+        };
+        known.insert(file, start);
+        starts.push(start);
+    }
+    Ok(starts)
+}
+
 /// Puts views, accessors and the length of `binary` into `json`; parts that would be empty are left out.
 pub fn settle(json: &mut Value, binary: &mut Binary) {
     for (key, values) in [("bufferViews", &mut binary.views), ("accessors", &mut binary.accessors)] {
@@ -82,7 +106,7 @@ fn take(json: &mut Value, key: &str) -> Vec<Value> {
 /// Buffers after the first that hold no bytes but that views stand for which are compressed elsewhere.
 fn unread_buffers(document: &GltfDocument, views: &[Value]) -> Vec<usize> {
     let is_used = |buffer: usize| views.iter().any(|view| number(view, "buffer") == Some(buffer));
-    let is_empty = |buffer: usize| document.buffers.get(buffer).is_none_or(Vec::is_empty);
+    let is_empty = |buffer: usize| document.buffers.get(buffer).is_none_or(|bytes| bytes.is_empty());
     (1..list(&document.json, "buffers").len()).filter(|&buffer| is_empty(buffer) && is_used(buffer)).collect()
 }
 
@@ -141,6 +165,8 @@ fn embed_images(
     binary: &mut Binary,
     warnings: &mut Vec<String>,
 ) -> io::Result<()> {
+    // One file may be several images.
+    let mut views: HashMap<*const Vec<u8>, usize> = HashMap::new();
     for (index, bytes) in &document.images {
         let Some(image) = json.pointer_mut(&format!("/images/{index}")).and_then(Value::as_object_mut) else {
             continue;
@@ -152,7 +178,12 @@ fn embed_images(
         };
         image.shift_remove("uri");
         image.insert("mimeType".into(), kind.into());
-        image.insert("bufferView".into(), binary.plain_view(bytes)?.into());
+        let view = match views.get(&Arc::as_ptr(bytes)) {
+            Some(&view) => view,
+            None => binary.plain_view(bytes)?,
+        };
+        views.insert(Arc::as_ptr(bytes), view);
+        image.insert("bufferView".into(), view.into());
     }
     Ok(())
 }

@@ -4,7 +4,7 @@
 
 use serde_json::Value;
 
-use crate::gltf::document::GltfDocument;
+use crate::gltf::document::{GltfDocument, bytes_of};
 
 /// The entries of an accessor without gaps between them.
 #[derive(Debug)]
@@ -123,7 +123,7 @@ pub fn bounds(accessor: &Value, bytes: &[u8]) -> Option<(Vec<f64>, Vec<f64>)> {
 fn most_zeros(document: &GltfDocument) -> usize {
     const FEW: usize = 1 << 20;
     const TIMES: usize = 8;
-    let bytes: usize = document.buffers.iter().chain(document.decompressed.values()).map(Vec::len).sum();
+    let bytes = bytes_of(&document.buffers) + document.decompressed.values().map(Vec::len).sum::<usize>();
     bytes.saturating_mul(TIMES).max(FEW)
 }
 
@@ -135,7 +135,10 @@ fn view(document: &GltfDocument, index: usize) -> Option<&[u8]> {
     let view = list(&document.json, "bufferViews").get(index)?;
     let start = number(view, "byteOffset").unwrap_or(0);
     let end = start.checked_add(number(view, "byteLength")?)?;
-    document.buffers.get(number(view, "buffer")?)?.get(start..end)
+    let buffer = document.buffers.get(number(view, "buffer")?)?;
+    // Of padding that the file lacks no entry is made.
+    let lacking = end.saturating_sub(buffer.length);
+    buffer.get(start..end - lacking).filter(|_| lacking <= buffer.padding)
 }
 
 /// `count` entries of `size` bytes from byte `offset` of a view, without the gaps that its stride makes.
