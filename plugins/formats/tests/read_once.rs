@@ -101,7 +101,8 @@ fn names_and_values_of_a_file_never_make_errors_long() {
     let set = |pointer: &'static str, value: Value| {
         move |json: &mut Value| *json.pointer_mut(pointer).unwrap() = value.clone()
     };
-    let wrong: [(&str, Box<dyn Fn(&mut Value)>); 7] = [
+    type Change<'a> = Box<dyn Fn(&mut Value) + 'a>;
+    let wrong: [(&str, Change<'_>); 7] = [
         (
             "primitive 0",
             Box::new(|json| {

@@ -192,7 +192,7 @@ impl Before {
             Err(before) => i64::try_from(before.duration().as_nanos()).ok().map(|time| -time),
         };
         let modified = found.modified().ok().and_then(nanoseconds);
-        found.is_file().then(|| Self { bytes: found.len(), modified })
+        found.is_file().then_some(Self { bytes: found.len(), modified })
     }
 }
 

@@ -255,8 +255,8 @@ mod tests {
             );
             Asset::read(&BytesInput::new("m.gltf", json)).map(|asset| asset.buffers[0].to_vec())
         };
-        assert_eq!(read(2).unwrap(), [[0, 1]]);
-        assert_eq!(read(6).unwrap(), [[0, 1, 2]]);
+        assert_eq!(read(2).unwrap(), [0, 1]);
+        assert_eq!(read(6).unwrap(), [0, 1, 2]);
         assert_eq!(read(7).unwrap_err().to_string(), "m.gltf: buffer 0 is cut short: expected 7 bytes, found 3");
     }
 

@@ -128,8 +128,8 @@ fn images_of_other_files_are_taken_in_as_what_they_are() {
         ("image/ktx2", b"\xabKTX 20\xbb\r\n\x1a\n"),
     ];
     let (after, warnings) = written(|document| {
-        document.images = images.iter().enumerate().map(|(i, (_, bytes))| (i, bytes.to_vec())).collect();
-        document.images.push((5, b"who knows".to_vec()));
+        document.images = images.iter().enumerate().map(|(i, (_, bytes))| (i, bytes.to_vec().into())).collect();
+        document.images.push((5, b"who knows".to_vec().into()));
         document.json["images"] = json!([
             { "uri": "a.png", "name": "skin" }, { "uri": "b.jpg" }, { "uri": "c.webp", "mimeType": "image/png" }, { "uri": "d" },
             { "uri": "missing.png" }, { "uri": "odd" }, { "uri": "data:image/png;base64,AAAA" },

@@ -184,7 +184,7 @@ mod tests {
 
     fn document(accessor: Value, views: Value, bytes: &[u8]) -> GltfDocument {
         let json = json!({ "accessors": [accessor], "bufferViews": views });
-        GltfDocument { json, buffers: vec![bytes.to_vec()], ..GltfDocument::default() }
+        GltfDocument { json, buffers: vec![bytes.to_vec().into()], ..GltfDocument::default() }
     }
 
     #[test]
