@@ -14,7 +14,7 @@ use super::{
     asset::{Asset, follow},
     nodes::Local,
     sampler::Sampler,
-    untidy::Told,
+    told::Told,
 };
 use crate::names::{all_distinct, shown};
 

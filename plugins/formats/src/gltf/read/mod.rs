@@ -5,7 +5,8 @@
 //! - [`nodes`], [`scene`], [`skin`], [`morphs`], [`sampler`] and [`clips`]: what places and moves vertices;
 //! - [`evaluator`] and [`poses`]: positions in any state of that;
 //! - [`primitive`], [`attributes`], [`materials`], [`builder`] and [`reader`]: the mesh;
-//! - [`empties`]: nodes that stand for points; [`untidy`], [`untidy_data`] and [`untidy_joints`]: warnings of what is read though it is not as it should be.
+//! - [`empties`]: nodes that stand for points;
+//! - [`untidy`], [`untidy_data`] and [`untidy_joints`]: what is read though it is not as it should be, which [`told`] holds.
 
 mod accessor;
 mod asset;
@@ -28,6 +29,7 @@ mod reader;
 mod sampler;
 mod scene;
 mod skin;
+mod told;
 mod tolerant;
 mod tree;
 mod untidy;

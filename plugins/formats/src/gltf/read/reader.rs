@@ -16,8 +16,8 @@ use super::{
     nodes::Nodes,
     poses::{self, NamedShape},
     scene::{self, Placed},
-    untidy::{self, Told},
-    untidy_data, untidy_joints,
+    told::Told,
+    untidy, untidy_data, untidy_joints,
 };
 use crate::{
     gltf::document::{GltfDocument, Placement, RestingNode, Transforms},

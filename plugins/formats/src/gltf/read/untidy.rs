@@ -9,23 +9,8 @@ use super::{
     nodes::{Local, Nodes, name},
     primitive::attribute,
     scene::Placed,
+    told::Told,
 };
-use crate::names::quoted;
-
-/// Sentences about what is untidy.
-#[derive(Debug, Default)]
-pub struct Told {
-    pub sentences: Vec<String>,
-}
-
-impl Told {
-    /// Adds a sentence about the things called `names`, if there are any.
-    pub fn tell(&mut self, what: &str, names: Vec<String>) {
-        if !names.is_empty() {
-            self.sentences.push(format!("{what}: {}", quoted(&names)));
-        }
-    }
-}
 
 /// The sentences about nodes, skins, buffer views and indices.
 pub fn warnings(asset: &Asset, nodes: &Nodes, placed: &[Placed], runs: &[Run], told: &mut Told) {

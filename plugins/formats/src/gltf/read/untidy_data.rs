@@ -7,7 +7,7 @@ use super::{
     asset::{Asset, size},
     primitive::attribute,
     scene::Placed,
-    untidy::Told,
+    told::Told,
 };
 use crate::names::shown;
 

@@ -11,7 +11,7 @@ use super::{
     nodes::{Local, Nodes, name},
     primitive::attribute,
     scene::Placed,
-    untidy::Told,
+    told::Told,
 };
 
 /// Rotations whose length is that near to 1 are those of 32-bit numbers, or of 8 bits.
