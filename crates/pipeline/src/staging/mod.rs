@@ -5,8 +5,8 @@
 //! locked as long as its writer lives. So whoever next begins a transaction with one of these places finds the journal of one that was
 //! killed, and finishes or undoes it. [`survey`] looks without doing anything.
 //!
-//! Others may do anything meanwhile. A result that somebody has edited after a run was killed is set aside under a name of its own, a
-//! temporary file that is gone ends the commit as it began, and a journal from a stranger moves nothing elsewhere.
+//! Others may do anything meanwhile. What somebody has edited after a run was killed is set aside under a name of its own. A temporary
+//! file that is gone ends the commit as it began. A journal from a stranger moves nothing elsewhere.
 //!
 //! Names of temporary files begin with `.mimesh-` and an identity that was drawn at random. Processes of several machines or containers
 //! may write into one folder. On a file system without locks a transaction that was killed is taken for one that lives.

@@ -9,7 +9,6 @@ use super::{
     accessor::{numbers, whole},
     asset::{Asset, get},
     primitive::attribute,
-    untidy_joints::is_affine,
 };
 
 /// The joints of a skin.
@@ -200,4 +199,10 @@ impl Influences {
         }
         influences.iter().fold(Matrix3x4::zeros(), |sum, (joint, weight)| sum + joints[*joint as usize] * *weight)
     }
+}
+
+/// Whether the last row of a matrix is that of a transform, up to the rounding of products of 32-bit numbers.
+pub fn is_affine(matrix: &Matrix4<f64>) -> bool {
+    let row = matrix.row(3);
+    row.iter().zip([0.0, 0.0, 0.0, 1.0]).all(|(x, expected)| (x - expected).abs() <= 1e-4)
 }

@@ -3,7 +3,6 @@
 use std::collections::HashSet;
 
 use gltf::json::{accessor::ComponentType, mesh::Semantic, validation::Checked};
-use nalgebra::Matrix4;
 
 use super::{
     asset::Asset,
@@ -11,6 +10,7 @@ use super::{
     nodes::{Local, Nodes, name},
     primitive::attribute,
     scene::Placed,
+    skin::is_affine,
     told::Told,
 };
 
@@ -100,10 +100,4 @@ fn skins(asset: &Asset, nodes: &Nodes, runs: &[Run], told: &mut Told) {
     told.tell("joints that flatten what they move, with a scale of 0", flat);
     told.tell("joints that stand twice in one skin", twice);
     told.tell("joints whose inverse bind matrix ends in another row than 0 0 0 1, which is left out", projective);
-}
-
-/// Whether the last row of a matrix is that of a transform, up to the rounding of products of 32-bit numbers.
-pub fn is_affine(matrix: &Matrix4<f64>) -> bool {
-    let row = matrix.row(3);
-    row.iter().zip([0.0, 0.0, 0.0, 1.0]).all(|(x, expected)| (x - expected).abs() <= 1e-4)
 }
