@@ -28,7 +28,7 @@ from cases import CASES, POSES
 from files import obj
 
 memory.ADDRESSES = 1 << 30
-PLACE = re.compile(r"line \d|:\d+:|\d+ \(from 0\)|\d|`[^`]+`|empty|folder|pipe|link to|device|no such|begins|refers to|glTF: \w")
+PLACE = re.compile(r"line \d|:\d+:|\d+ \(from 0\)|\d|`[^`]+`|empty|folder|pipe|link to|device|no such|begins")
 
 
 def judge(status, errors, output, name, nonsense):

@@ -38,7 +38,11 @@ impl Reach {
             return refused("which lies neither under its own folder nor under that of the pipeline");
         }
         let metadata = fs::metadata(&found).map_err(|error| Error::read(path, error))?;
-        if metadata.is_file() { Ok(found) } else { refused("which is no regular file") }
+        if metadata.is_file() {
+            Ok(found)
+        } else {
+            refused("which is no regular file but a folder, a pipe or a device")
+        }
     }
 }
 

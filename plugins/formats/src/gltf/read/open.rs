@@ -201,7 +201,7 @@ fn wrong_value(problem: &serde_path_to_error::Error<serde_json::Error>) -> Strin
         Some((found, expected)) => format!("{}, expected {}", shown(found), shown(expected)),
         None => shown(&kind),
     };
-    format!("not the JSON of a glTF: {}: {kind}", shown(&path))
+    format!("not the JSON of a glTF: `{}`: {kind}", shown(&path))
 }
 
 /// Checks that a file is a glTF 2.x that readers of 2.0 may read; `version` is what its JSON says.
@@ -264,7 +264,7 @@ mod tests {
     fn a_wrong_kind_of_value_is_named_with_its_path() {
         let json = r#"{ "asset": { "version": "2.0" }, "meshes": [{ "primitives": [{ "indices": "first" }] }] }"#;
         let error = Asset::read(&BytesInput::new("m.gltf", json)).unwrap_err().to_string();
-        let expected = "m.gltf: not the JSON of a glTF: meshes[0].primitives[0].indices: ";
+        let expected = "m.gltf: not the JSON of a glTF: `meshes[0].primitives[0].indices`: ";
         assert!(error.starts_with(expected), "{error}");
     }
 
