@@ -11,6 +11,7 @@ use std::{
 use mimesh::core::testkit::random::Random;
 
 use crate::{
+    calls::{run_command, traced},
     common::Project,
     sets::{POSES, Set, assert_report_is_of, assert_same, old_and_new, project, put_back, results, run, set},
 };
@@ -60,21 +61,6 @@ fn kill(count: usize, start: impl Fn(&Project) -> Command) -> usize {
     }
     println!("{met} runs were killed, {mixed} of them while files were moved");
     mixed
-}
-
-/// The run whose results are told apart.
-fn run_command(project: &Project) -> Command {
-    project.command(&["run", "p.yaml", "--no-cache", "--quiet", "--threads", "1"])
-}
-
-/// The run, with `strace` and these options of it around.
-fn traced(project: &Project, options: &[&str]) -> Command {
-    let mimesh = run_command(project);
-    let mut command = Command::new("strace");
-    command.args(["-f", "-qq", "-o", "trace.txt"]).args(options).arg(mimesh.get_program()).args(mimesh.get_args());
-    command.current_dir(project.path(".")).stdout(Stdio::null());
-    mimesh.get_envs().for_each(|(name, value)| _ = command.env(name, value.unwrap_or_default()));
-    command
 }
 
 #[test]
