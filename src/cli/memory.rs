@@ -15,6 +15,17 @@ pub fn set(bytes: Option<u64>) {
     memory::set_limits(resident.into_iter().chain(addresses).collect());
 }
 
+/// Lets the process have what the environment says, else what the machine lets it have: for programs without a command line.
+///
+/// # Errors
+///
+/// The words of what is wrong with the variable of the environment.
+pub fn set_from_environment() -> Result<(), String> {
+    let given = std::env::var(VARIABLE).ok().filter(|text| !text.is_empty());
+    set(given.as_deref().map(size).transpose().map_err(|wrong| format!("{VARIABLE}: {wrong}"))?);
+    Ok(())
+}
+
 /// Parses a size as `8G`, `1.5GiB`, `500M` or `2000000`; units are powers of 1024.
 pub fn size(text: &str) -> Result<u64, String> {
     let number = text.trim_end_matches(|c: char| c.is_ascii_alphabetic());
