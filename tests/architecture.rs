@@ -24,15 +24,17 @@ const ARROWS: [(&str, &[&str]); 10] = [
 const COMMAND_LINE: [&str; 6] = ["open", "clap", "clap_complete", "ctrlc", "indicatif", "terminal_size"];
 
 /// Subcommands of the program; `mimesh cache` is also how a cached result begins.
-const SUBCOMMANDS: [&str; 14] = [
+const SUBCOMMANDS: [&str; 16] = [
     "check",
     "compare",
     "inspect",
     "keypoints",
     "list",
     "markers",
+    "merge",
     "new",
     "plan",
+    "prepare",
     "render",
     "run",
     "schema",

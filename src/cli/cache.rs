@@ -39,6 +39,26 @@ impl CacheOptions {
         let limit = self.cache_limit.map_or(DEFAULT_LIMIT, |megabytes| megabytes.saturating_mul(1 << 20));
         Cache::new(self.cache.as_deref(), limit, program()?).map(Some)
     }
+
+    /// Opens the cache that parts of a run share, for `command`, which cannot do without.
+    ///
+    /// # Errors
+    ///
+    /// A diagnostic with `--no-cache`, and those of [`open`](Self::open).
+    pub fn open_shared(&self, command: &str) -> diagnostic::Result<Cache> {
+        self.open()?.ok_or_else(|| {
+            let message = format!("--no-cache: `mimesh {command}` works with what is cached");
+            Diagnostic::new(Kind::Usage, message).hint("leave it out, or name a folder by `--cache DIR`").into()
+        })
+    }
+
+    /// The options as they were given, for another command.
+    pub fn arguments(&self) -> Vec<String> {
+        match &self.cache {
+            Some(folder) => vec!["--cache".into(), folder.display().to_string()],
+            None => vec![],
+        }
+    }
 }
 
 /// Shows the cached results of earlier runs, or clears them.

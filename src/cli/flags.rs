@@ -13,7 +13,10 @@ use mimesh_pipeline::{
     cache::{OTHER_CACHE_FOLDER, WITHOUT_CACHE},
     check::OTHER_MESHES,
     parse::LIST_TYPES,
+    shard::{COMPUTE_POSES, LARGER_CACHE, WARM_FRAMES},
 };
+
+use crate::cli::help_commands::quoted;
 
 /// Gives `diagnostic` with the flags that its location and its remedy stand for; the remedy becomes part of the hint.
 ///
@@ -66,18 +69,15 @@ fn flag(remedy: &Remedy) -> Option<String> {
         ALLOW_COMMANDS => "`--allow-commands`".into(),
         GIVE_MARKERS => "`--set markers=FILE`".into(),
         OTHER_MESHES => "`--source MESH --target MESH`".into(),
+        COMPUTE_POSES => format!("`mimesh run PIPELINE --frames {argument}`"),
+        LARGER_CACHE => format!("`--cache-limit {argument}`"),
+        WARM_FRAMES => "`--warm N`".into(),
         remedies::FROM_ONE => format!("`mimesh markers convert --from-one {argument}`"),
         remedies::FIT_UNIT_AXES => "`mimesh markers convert --fit`".into(),
         remedies::OLD_MESH => format!("`--old-{argument} MESH`"),
         remedies::FORCE_REATTACH => "`--force`".into(),
         _ => return None,
     })
-}
-
-/// The setting as an argument of a shell, in quotes if the shell would change it.
-fn quoted(setting: &str) -> String {
-    let is_plain = |c: char| c.is_alphanumeric() || "._-=/…".contains(c);
-    if setting.chars().all(is_plain) { setting.into() } else { format!("'{setting}'") }
 }
 
 #[cfg(test)]
@@ -104,6 +104,10 @@ mod tests {
         let settings = hint("", SHOW_SETTINGS, "transfer gradient", "see the settings of this type");
         assert_eq!(settings, "see the settings of this type: `mimesh show transfer gradient`");
         assert_eq!(hint("name one", LIST_TYPES, "", "list the types"), "name one, or list the types: `mimesh list`");
+        let missing = hint("", COMPUTE_POSES, "3-5", "compute them first");
+        assert_eq!(missing, "compute them first: `mimesh run PIPELINE --frames 3-5`");
+        assert_eq!(hint("", LARGER_CACHE, "4000", "let it grow"), "let it grow: `--cache-limit 4000`");
+        assert_eq!(hint("run it whole", WARM_FRAMES, "", "warm up"), "run it whole, or warm up: `--warm N`");
         let meshes = hint("", OTHER_MESHES, "", "give the two meshes themselves");
         assert_eq!(meshes, "give the two meshes themselves: `--source MESH --target MESH`");
         let from_one = hint("", remedies::FROM_ONE, "target", "convert the markers");

@@ -31,7 +31,13 @@ fn of_markers(meshes: &str) -> HelpCommands {
 }
 
 /// A path as an argument in a shell.
-fn argument(path: &Path) -> String {
+pub fn argument(path: &Path) -> String {
     let text = path.display().to_string();
     if text.contains(char::is_whitespace) { format!("'{text}'") } else { text }
+}
+
+/// An argument of a shell, in quotes if the shell would change it.
+pub fn quoted(argument: &str) -> String {
+    let is_plain = |c: char| c.is_alphanumeric() || "._-=/,:…".contains(c);
+    if argument.chars().all(is_plain) { argument.into() } else { format!("'{argument}'") }
 }

@@ -61,6 +61,7 @@ impl MeshPair {
         let document = self.document()?;
         let options = Options {
             settings: self.settings.clone(),
+            runs: vec![],
             roots: self.roots.folders(),
             report: Some(self.report()),
             out: None,

@@ -14,11 +14,13 @@ mod keypoints;
 mod list;
 mod markers;
 mod memory;
+mod merge;
 mod mesh_pair;
 mod new;
 mod out_file;
 mod plan;
 mod posed_meshes;
+mod prepare;
 mod profile;
 mod progress;
 mod registry;
@@ -29,6 +31,7 @@ mod run;
 mod saved_pipeline;
 mod schema;
 mod score;
+mod shard_options;
 mod show;
 mod signals;
 mod status;
@@ -60,8 +63,8 @@ use crate::cli::status::Status;
   mimesh show transfer gradient           settings of a stage
 
 Exit status: 0 done, 1 internal error, 2 usage, 3 a quality gate failed, 4 partly done, 65 bad data,
-66 input missing, 71 not enough memory, 73 cannot write, 75 another process writes the same files, 78 bad pipeline,
-130 interrupted."
+66 input missing, 71 not enough memory, 73 cannot write, 75 not now: another process writes the same files or computes
+the same result, or poses to merge are missing, 78 bad pipeline, 130 interrupted."
 )]
 struct Cli {
     /// The most memory to take, e.g. 8G: work that needs more is refused with a number [default: what the machine has]
@@ -83,6 +86,8 @@ enum Command {
     Run(run::Run),
     Check(check::Check),
     Plan(plan::PlanCommand),
+    Prepare(prepare::Prepare),
+    Merge(merge::MergeCommand),
     #[command(name = "keypoints")]
     KeyPoints(keypoints::KeyPoints),
     Markers(markers::Markers),
@@ -150,6 +155,8 @@ fn run_command(host: &Host) -> Status {
         Command::Run(command) => command.run(),
         Command::Check(command) => command.run(),
         Command::Plan(command) => command.run(),
+        Command::Prepare(command) => command.run(),
+        Command::Merge(command) => command.run(),
         Command::KeyPoints(command) => command.run(),
         Command::Markers(command) => command.run(),
         Command::List(command) => command.run(),

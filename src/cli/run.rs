@@ -19,8 +19,17 @@ use {
 };
 
 use crate::cli::{
-    cache::CacheOptions, flags::with_flags, help_commands, profile::Profiler, progress::TerminalProgress,
-    results_file::ResultsFile, roots::Roots, saved_pipeline::SavedPipeline, status::Status, summary, terminal,
+    cache::CacheOptions,
+    flags::with_flags,
+    help_commands,
+    profile::Profiler,
+    progress::TerminalProgress,
+    results_file::ResultsFile,
+    roots::Roots,
+    saved_pipeline::SavedPipeline,
+    shard_options::{self, RunNames, ShardOptions},
+    status::Status,
+    summary, terminal,
 };
 
 /// Runs a pipeline: pairs the meshes, transfers every pose and writes the results.
@@ -30,12 +39,17 @@ use crate::cli::{
 ///
 /// Beside the first result, `run.json` records settings, inputs and statistics. Inputs are never overwritten. A run
 /// that fails leaves earlier results as they were.
+///
+/// `--frames` and `--shard` compute a part of the poses, on any machine that shares the cache. `mimesh merge` then writes
+/// the files of all poses, with the bytes of a run that was not split.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   mimesh run horse-to-camel.yaml
   mimesh run horse-to-camel.yaml --set transfer.type=copy_displacement --out try
   mimesh run horse-to-camel.yaml --set 'output=[out/{pose}.ply]' --json
   mimesh run horse-to-camel.yaml --no-cache --profile
+  mimesh run horse-to-camel.yaml --frames 0-24 --cache /farm/cache
+  mimesh run horse-to-camel.yaml --shard 0/4 --cache /farm/cache
   mimesh run pipelines/herd.yaml --set variables.detail=30 --table herd.csv")]
 pub struct Run {
     /// The pipeline's YAML file
@@ -43,9 +57,13 @@ pub struct Run {
     #[command(flatten)]
     overrides: Overrides,
     #[command(flatten)]
+    runs: RunNames,
+    #[command(flatten)]
+    part: ShardOptions,
+    #[command(flatten)]
     execution: Execution,
     /// Also write the table of results into this file, as .csv or .md
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["frames", "shard"])]
     table: Option<PathBuf>,
     /// Let stages run programs that the pipeline names
     #[arg(long)]
@@ -88,6 +106,16 @@ pub struct Overrides {
 }
 
 impl Overrides {
+    /// The options as they were given, for another command.
+    pub fn arguments(&self) -> Vec<String> {
+        let mut arguments = Vec::new();
+        let mut add = |option: &str, value: String| arguments.extend([option.to_owned(), value]);
+        self.settings.iter().for_each(|setting| add("--set", setting.clone()));
+        self.out.iter().for_each(|out| add("--out", out.display().to_string()));
+        self.roots.folders().iter().for_each(|folder| add("--root", folder.display().to_string()));
+        arguments
+    }
+
     /// The same as options of the pipeline crate.
     pub fn options(&self) -> Options {
         Options {
@@ -108,8 +136,10 @@ impl Run {
         let cache = self.execution.cache.open()?;
         let mut profiler = self.execution.profiler()?;
         let help = help_commands::of_pipeline(&self.pipeline);
-        let options = Options { allow_commands: self.allow_commands, help, ..self.overrides.options() };
+        let runs = self.runs.names.clone();
+        let options = Options { allow_commands: self.allow_commands, help, runs, ..self.overrides.options() };
         let all = pipeline::prepare_all(&self.pipeline, &options, cache.as_ref())?;
+        let parts = self.part.parts(&self.pipeline, &all, cache.as_ref())?;
         if let Some(table) = &table {
             table.check(&all)?;
         }
@@ -119,11 +149,16 @@ impl Run {
         if let Some(profiler) = &mut profiler {
             profiler.choose_file(&all, [&self.table, &self.save].into_iter().filter_map(|file| file.as_deref()))?;
         }
-        let results = self.execution.execute(&self.pipeline, &all, cache.as_ref(), profiler.as_ref())?;
+        let plan = |i: usize, run: &Prepared| shard_options::plan(run, i, parts.as_deref(), cache.as_ref());
+        let results = self.execution.execute(&self.pipeline, &all, plan, cache.as_ref(), profiler.as_ref())?;
         if let Some(table) = &table {
             table.write(&results.0)?;
         }
-        Ok(self.execution.finish(&results))
+        let status = self.execution.finish(&results);
+        if parts.is_some() {
+            self.execution.tell_merge(&self.pipeline, &all);
+        }
+        Ok(status)
     }
 }
 
@@ -137,7 +172,19 @@ impl Execution {
         self.profile.as_ref().map(|file| Profiler::begin(file.as_deref())).transpose()
     }
 
-    /// Runs all that is prepared from `file`, and shows what happens; with the results the table of the profile, if there is one.
+    /// Names the files that a part of a run has left to a merge, unless `--json` or `--quiet` is given.
+    fn tell_merge(&self, file: &Path, runs: &[Prepared]) {
+        let left: Vec<_> = runs.iter().flat_map(|run| run.outputs.files_of_all()).collect();
+        if self.json || self.quiet {
+            return;
+        }
+        let Some(first) = left.first() else { return };
+        let more = if left.len() > 1 { format!(" and {} more", left.len() - 1) } else { String::new() };
+        let command = format!("mimesh merge {}", help_commands::argument(file));
+        terminal::print_beside(&format!("`{command}` writes {}{more} when all poses are computed\n", first.display()));
+    }
+
+    /// Runs all that is prepared from `file` as `plan` says, and shows what happens; with the results the table of the profile, if there is one.
     ///
     /// # Errors
     ///
@@ -146,16 +193,23 @@ impl Execution {
         &self,
         file: &Path,
         all: &[Prepared],
+        plan: impl Fn(usize, &Prepared) -> Plan,
         cache: Option<&Cache>,
         profiler: Option<&Profiler>,
     ) -> Result<(Results, Option<String>)> {
-        let results = self.execute_all(file, all, cache);
+        let results = self.execute_all(file, all, plan, cache);
         // A run that fails has a trace too.
         let profile = profiler.map(Profiler::finish).transpose();
         Ok((results?, profile?))
     }
 
-    fn execute_all(&self, file: &Path, all: &[Prepared], cache: Option<&Cache>) -> Result<Results> {
+    fn execute_all(
+        &self,
+        file: &Path,
+        all: &[Prepared],
+        plan: impl Fn(usize, &Prepared) -> Plan,
+        cache: Option<&Cache>,
+    ) -> Result<Results> {
         // Without a handler an interrupt would leave files that are half written.
         let _ = ctrlc::set_handler(|| staging::discard_all_and_exit(Status::Interrupted as u8));
         let mut shown_warnings = HashSet::new();
@@ -168,7 +222,7 @@ impl Execution {
             }
             // The run may fail for the reason that a warning gives, so that warnings come first.
             self.warn(&prepared.warnings, &mut shown_warnings);
-            let finished = self.run_one(prepared, cache, &progress);
+            let finished = self.run_one(prepared, &plan(i, prepared), cache, &progress);
             progress.finish();
             shown_warnings.extend(progress.warned());
             let outcome = match finished {
@@ -199,11 +253,15 @@ impl Execution {
         status(results)
     }
 
-    /// Plans and executes one of the declared runs.
-    fn run_one(&self, prepared: &Prepared, cache: Option<&Cache>, progress: &TerminalProgress) -> Result<Finished> {
-        let threads = self.threads.map_or(0, usize::from);
-        let plan = Plan::new(prepared, cache);
-        pipeline::run(prepared, &plan, threads, cache, progress)
+    /// Executes one of the declared runs.
+    fn run_one(
+        &self,
+        prepared: &Prepared,
+        plan: &Plan,
+        cache: Option<&Cache>,
+        progress: &TerminalProgress,
+    ) -> Result<Finished> {
+        pipeline::run(prepared, plan, self.threads.map_or(0, usize::from), cache, progress)
     }
 
     /// Shows the failed poses and the warnings of a run that has results.
@@ -273,7 +331,7 @@ fn status(results: &Results) -> Status {
 const MAX_THREADS: u16 = 1024;
 
 /// Parses a number of threads.
-fn threads(text: &str) -> std::result::Result<u16, String> {
+pub fn threads(text: &str) -> std::result::Result<u16, String> {
     text.parse()
         .ok()
         .filter(|count| (1..=MAX_THREADS).contains(count))

@@ -28,7 +28,8 @@ pub enum Status {
     Memory = 71,
     /// A result cannot be written.
     CannotWrite = 73,
-    /// Another process is writing the same results; later the command will succeed.
+    /// Another process is writing the same results or computes what is needed, or poses to merge are missing; later the command will
+    /// succeed.
     Busy = 75,
     /// The pipeline file is wrong.
     BadPipeline = 78,

@@ -6,7 +6,7 @@ use mimesh_core::Figures;
 use mimesh_pipeline::{
     choices,
     metrics::{Level, PrimaryStatistic, Reason, Verdict, faults, primary_statistics},
-    report::{MeshFigures, PoseReport, Report, Results, RunOutcome, StageReport},
+    report::{MeshFigures, PartReport, PoseReport, Report, Results, RunOutcome, StageReport},
     text::{bytes, count, number, pairs, seconds, table},
 };
 use serde_json::{Map, Value};
@@ -16,8 +16,12 @@ const MAX_ROWS: usize = 24;
 
 /// The summary of a run whose report is at `path`.
 pub fn of_run(report: &Report, path: &Path) -> String {
+    let poses = match &report.part {
+        Some(part) => poses_of_part(part),
+        None => count(report.poses.len(), "pose", "poses"),
+    };
     let rows = [
-        ("source".to_owned(), format!("{}, {}", mesh(&report.source), count(report.poses.len(), "pose", "poses"))),
+        ("source".to_owned(), format!("{}, {poses}", mesh(&report.source))),
         ("target".to_owned(), mesh(&report.target)),
         ("markers".to_owned(), report.markers.to_string()),
     ];
@@ -40,6 +44,15 @@ pub fn of_run(report: &Report, path: &Path) -> String {
         report.process.peak_memory_bytes.map(|peak| format!(", at most {} of memory", bytes(peak))).unwrap_or_default();
     let threads = count(report.threads, "thread", "threads");
     text + &format!("\n{} in {} on {threads}{cpu}{memory}\n", status(report), seconds(report.seconds))
+}
+
+/// The poses of a part of a run.
+fn poses_of_part(part: &PartReport) -> String {
+    let shard = part.shard.as_ref().map(|shard| format!("shard {shard}, ")).unwrap_or_default();
+    match part.poses {
+        0 => format!("{shard}which has none of {}", count(part.of, "pose", "poses")),
+        _ => format!("{shard}frames {} of {}", part.frames, count(part.of, "pose", "poses")),
+    }
 }
 
 /// The time of a stage, its figures and its warnings.
@@ -83,8 +96,11 @@ fn written(report: &Report, path: &Path) -> String {
     if shown < report.outputs.len() {
         rows.push(vec![format!("… and {} more", report.outputs.len() - shown)]);
     }
-    rows.push(vec![path.display().to_string()]);
-    format!("\nwritten\n{}", table(&rows))
+    // A part leaves the report to the merge.
+    if report.part.is_none() {
+        rows.push(vec![path.display().to_string()]);
+    }
+    if rows.is_empty() { String::new() } else { format!("\nwritten\n{}", table(&rows)) }
 }
 
 /// The table of all runs of a pipeline, with a line on how they ended.

@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use mimesh_pipeline::Plan;
+
 use crate::cli::{
     CommandResult,
     mesh_pair::{MeshPair, in_arguments},
@@ -54,7 +56,13 @@ impl TransferCommand {
         if let Some(profiler) = &mut profiler {
             profiler.choose_file(&all, self.save.as_deref())?;
         }
-        let results = self.execution.execute(self.meshes.name(), &all, cache.as_ref(), profiler.as_ref());
+        let results = self.execution.execute(
+            self.meshes.name(),
+            &all,
+            |_, run| Plan::new(run, cache.as_ref()),
+            cache.as_ref(),
+            profiler.as_ref(),
+        );
         let results = results.map_err(in_arguments)?;
         Ok(self.execution.finish(&results))
     }

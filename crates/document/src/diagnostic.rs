@@ -22,7 +22,7 @@ pub enum Kind {
     MissingInput,
     /// A result cannot be written.
     CannotWrite,
-    /// Another process is at work on the same files.
+    /// Another process is at work on the same files or results, or has not yet done its part.
     Busy,
     /// There is not enough memory.
     Memory,

@@ -10,6 +10,8 @@ use crate::{
     cache::{Cache, CacheCodec, Change, LastRun, PoseCache, RunKeys, StageKey, TransferSummary},
     choices::Choice,
     input::Prepared,
+    metrics::{MEASURED_BEFORE, are_measured_alone},
+    shard::{Extent, Merge, Part, PoseOrder, begins_of_parts},
 };
 
 /// The plan of a run.
@@ -26,6 +28,12 @@ pub struct Plan {
     /// What the cache holds of the run; `None` for a run without a cache.
     #[serde(skip)]
     pub cached: Option<CachedRun>,
+    /// Whether all poses are computed, a part of them or none.
+    #[serde(skip)]
+    pub extent: Extent,
+    /// The poses that have to be there in the end.
+    #[serde(skip)]
+    pub order: PoseOrder,
 }
 
 /// What becomes of a stage.
@@ -65,39 +73,86 @@ pub struct CachedRun {
     pub keys: RunKeys,
     /// What is known of the bound transfer.
     pub transfer: Option<TransferSummary>,
+    /// Whether poses are frames of one motion, as far as that is known.
+    pub motion: bool,
     /// Whether every pose has a result.
     pub complete: bool,
     /// Whether every pose has measurements, too, and they will do: pictures show more than they hold.
     pub measured: bool,
-    /// The number of poses that have to run.
-    missing: usize,
+    /// The poses that have to run, or, for a merge, that no part has computed.
+    pub missing: Vec<usize>,
 }
 
 impl CachedRun {
-    /// Looks up what `cache` holds of a run of `prepared`; entries are not checked.
-    fn new(prepared: &Prepared, cache: &Cache) -> Self {
-        let keys = RunKeys::new(prepared, cache.program());
+    /// Looks up what `cache` holds of a run of `prepared`, and the order of its poses; entries are not checked.
+    fn new(prepared: &Prepared, cache: &Cache, extent: &Extent) -> (Self, PoseOrder) {
+        let is_declared = prepared.pipeline.transfer.as_ref().is_some_and(|transfer| transfer.gives_motion());
+        let mut keys = match extent {
+            Extent::Part(part) if !is_declared => RunKeys::of_part(prepared, cache.program(), &part.poses),
+            _ => RunKeys::new(prepared, cache.program()),
+        };
         let transfer: Option<TransferSummary> = cache.get("transfer", keys.transfer.key);
-        let motion = transfer.as_ref().is_some_and(|transfer| transfer.motion);
-        let poses = PoseCache { cache, keys: &keys, motion };
-        let all = prepared.poses.len();
-        let missing = (0..all).into_par_iter().filter(|&i| !poses.contains(i)).count();
-        let complete = missing == 0 && transfer.is_some();
-        let measured = complete && !prepared.outputs.are_visual();
-        let measured = measured && (0..all).into_par_iter().all(|i| poses.contains_metrics(i));
+        let motion = transfer.as_ref().map_or(is_declared, |transfer| transfer.motion);
+        if motion && !is_declared {
+            // The key of a frame needs all before it.
+            keys = RunKeys::new(prepared, cache.program());
+        }
+        let order = order(prepared, cache, &keys, extent, motion);
+        let poses = PoseCache { cache, keys: &keys, motion, order: &order };
+        let is_missing = |i: &usize| match extent {
+            // What cannot be read, or fails anywhere, is no part's to compute.
+            Extent::Merge(_) => !poses.contains(*i) && poses.has_key(*i) && !poses.contains_failure(*i),
+            _ => !poses.contains(*i),
+        };
+        let missing: Vec<usize> = order.poses().par_iter().copied().filter(is_missing).collect();
+        let complete = missing.is_empty() && (transfer.is_some() || extent.is_merge());
+        let alone = are_measured_alone(prepared);
+        let is_measured = |place: usize| {
+            let pose = order.poses()[place];
+            let has_all = alone || order.has_all_before::<MEASURED_BEFORE>(place);
+            has_all && (poses.contains_metrics(pose) || !poses.contains(pose))
+        };
+        let measured = complete && (extent.is_part() || !prepared.outputs.are_visual());
+        let measured = measured && (0..order.len()).into_par_iter().all(is_measured);
         // Frames of one motion depend on those before, so they are used only all together.
-        let missing = if motion && missing > 0 { all } else { missing };
-        Self { keys, transfer, complete, measured, missing }
+        let all_run = motion && !missing.is_empty() && !extent.is_merge();
+        let missing = if all_run { order.poses().to_vec() } else { missing };
+        (Self { keys, transfer, motion, complete, measured, missing }, order)
+    }
+}
+
+/// The poses of a run, and where the motions of frames begin.
+fn order(prepared: &Prepared, cache: &Cache, keys: &RunKeys, extent: &Extent, motion: bool) -> PoseOrder {
+    let all = prepared.poses.len();
+    match extent {
+        Extent::Part(part) if motion => PoseOrder::in_motion(part.poses.clone(), part.warm.unwrap_or(0)),
+        Extent::Part(part) => PoseOrder::alone(part.poses.clone()),
+        Extent::Merge(Merge { warm: Some(warm) }) if motion => {
+            PoseOrder::of_parts(all, begins_of_parts(cache, keys, all, *warm), *warm)
+        }
+        _ => PoseOrder::all(all),
     }
 }
 
 impl Plan {
     /// Plans a run of `prepared`; nothing is computed but hashes.
     pub fn new(prepared: &Prepared, cache: Option<&Cache>) -> Self {
-        match cache {
-            Some(cache) => Self::with_cache(prepared, cache),
-            None => Self::without_cache(prepared),
-        }
+        Self::of(prepared, cache, Extent::Whole)
+    }
+
+    /// Plans a run of some poses of `prepared`.
+    pub fn of_part(prepared: &Prepared, cache: Option<&Cache>, part: Part) -> Self {
+        Self::of(prepared, cache, Extent::Part(part))
+    }
+
+    /// Plans to write all files of `prepared`, whose poses are taken from `cache`; its missing poses say whether that can be done.
+    pub fn of_merge(prepared: &Prepared, cache: &Cache, merge: Merge) -> Self {
+        Self::of(prepared, Some(cache), Extent::Merge(merge))
+    }
+
+    /// The poses that have to run, or, for a merge, that no part has computed; all of them without a cache.
+    pub fn missing(&self) -> &[usize] {
+        self.cached.as_ref().map_or(self.order.poses(), |cached| &cached.missing)
     }
 
     /// Whether the results of all poses are cached.
@@ -107,33 +162,50 @@ impl Plan {
 
     /// Whether a run of `prepared` needs the triangle map: to transfer, to measure unless all poses are `measured`, or to write it.
     pub fn needs_map(&self, prepared: &Prepared, measured: bool) -> bool {
-        needs_map(prepared, self.is_complete(), measured)
+        needs_map(prepared, &self.extent, self.is_complete(), measured)
     }
 
-    fn without_cache(prepared: &Prepared) -> Self {
+    fn of(prepared: &Prepared, cache: Option<&Cache>, extent: Extent) -> Self {
+        match cache {
+            Some(cache) => Self::with_cache(prepared, cache, extent),
+            None => Self::without_cache(prepared, extent),
+        }
+    }
+
+    fn without_cache(prepared: &Prepared, extent: Extent) -> Self {
         let reason = "the run does without the cache";
-        let all = prepared.poses.len();
+        let order = match &extent {
+            Extent::Part(part) => match &prepared.pipeline.transfer {
+                Some(transfer) if transfer.gives_motion() => {
+                    PoseOrder::in_motion(part.poses.clone(), part.warm.unwrap_or(0))
+                }
+                _ => PoseOrder::alone(part.poses.clone()),
+            },
+            _ => PoseOrder::all(prepared.poses.len()),
+        };
         let mut steps: Vec<_> =
             stages(prepared).into_iter().map(|(stage, name)| step(stage, name, Action::Run, reason)).collect();
-        steps.push(PlannedStep { runs: all, of: all, ..step("poses", "", Action::Run, reason) });
-        Self { steps, choices: prepared.choices.clone(), warnings: warnings(prepared), cached: None }
+        steps.push(PlannedStep { runs: order.len(), of: order.len(), ..step("poses", "", Action::Run, reason) });
+        let (choices, warnings) = (prepared.choices.clone(), warnings(prepared));
+        Self { steps, choices, warnings, cached: None, extent, order }
     }
 
-    fn with_cache(prepared: &Prepared, cache: &Cache) -> Self {
-        let cached = CachedRun::new(prepared, cache);
+    fn with_cache(prepared: &Prepared, cache: &Cache, extent: Extent) -> Self {
+        let (cached, order) = CachedRun::new(prepared, cache, &extent);
         let last_run = LastRun::read(&cache.store, prepared);
         let mut steps: Vec<_> = stages(prepared)
             .into_iter()
-            .map(|(stage, name)| planned(stage, name, prepared, cache, &cached, &last_run))
+            .map(|(stage, name)| planned(stage, name, prepared, cache, &cached, &extent, &last_run))
             .collect();
-        steps.push(planned_poses(prepared.poses.len(), &cached));
-        Self { steps, choices: prepared.choices.clone(), warnings: warnings(prepared), cached: Some(cached) }
+        steps.push(planned_poses(order.len(), &cached));
+        let (choices, warnings) = (prepared.choices.clone(), warnings(prepared));
+        Self { steps, choices, warnings, cached: Some(cached), extent, order }
     }
 }
 
-fn needs_map(prepared: &Prepared, complete: bool, measured: bool) -> bool {
+fn needs_map(prepared: &Prepared, extent: &Extent, complete: bool, measured: bool) -> bool {
     let measures = !measured && prepared.metrics.iter().any(|metric| !metric.needs_ground_truth());
-    !complete || measures || prepared.outputs.correspondence.is_some()
+    !complete || measures || (prepared.outputs.correspondence.is_some() && !extent.is_part())
 }
 
 /// The stages of a run with their types, in their order.
@@ -154,6 +226,7 @@ fn planned(
     prepared: &Prepared,
     cache: &Cache,
     cached: &CachedRun,
+    extent: &Extent,
     last_run: &LastRun,
 ) -> PlannedStep {
     let key = cached.keys.stages().into_iter().find(|(name, _)| *name == stage).and_then(|(_, key)| key);
@@ -165,7 +238,7 @@ fn planned(
         }
         "correspondence" => {
             let readable = key.is_some_and(|key| is_readable::<TriangleMap>(cache, stage, key));
-            (readable, needs_map(prepared, cached.complete, cached.measured))
+            (readable, needs_map(prepared, extent, cached.complete, cached.measured))
         }
         _ => (cached.complete, !cached.complete),
     };
@@ -173,7 +246,9 @@ fn planned(
     match (is_cached, needed) {
         (true, _) => step(stage, name, Action::Reuse, "cached for these settings and inputs"),
         (false, false) => step(stage, name, Action::Skip, "all poses are cached"),
-        (false, true) if stage == "transfer" && unchanged && (1..prepared.poses.len()).contains(&cached.missing) => {
+        (false, true)
+            if stage == "transfer" && unchanged && (1..prepared.poses.len()).contains(&cached.missing.len()) =>
+        {
             step(stage, name, Action::Run, "some poses are missing, and a bound transfer is not cached")
         }
         (false, true) => step(stage, name, Action::Run, &key.map_or(String::new(), |key| reason(last_run, stage, key))),
@@ -182,13 +257,13 @@ fn planned(
 
 fn planned_poses(all: usize, cached: &CachedRun) -> PlannedStep {
     let motion = cached.transfer.as_ref().is_some_and(|transfer| transfer.motion);
-    let (action, reason) = match cached.missing {
+    let (action, reason) = match cached.missing.len() {
         0 => (Action::Reuse, "cached for this transfer and these poses".into()),
         missing if missing == all && motion => (Action::Run, "frames of one motion are used only all together".into()),
         missing if missing == all => (Action::Run, "none is cached for this transfer".into()),
         missing => (Action::Run, format!("{} of {all} are cached", all - missing)),
     };
-    PlannedStep { runs: cached.missing, of: all, ..step("poses", "", action, &reason) }
+    PlannedStep { runs: cached.missing.len(), of: all, ..step("poses", "", action, &reason) }
 }
 
 /// Whether the cache holds a result that can be read.

@@ -56,6 +56,10 @@ impl Transfer for Exaggerate {
         self.with_other(|of| Ok(of.markers_needed())).unwrap_or(0)
     }
 
+    fn gives_motion(&self) -> bool {
+        self.with_other(|of| Ok(of.gives_motion())).unwrap_or(false)
+    }
+
     fn poses_wanted(&self) -> usize {
         self.with_other(|of| Ok(of.poses_wanted())).unwrap_or(0)
     }

@@ -70,6 +70,10 @@ impl Transfer for Blend {
         self.parts.iter().map(|part| part.transfer.markers_needed()).max().unwrap_or(0)
     }
 
+    fn gives_motion(&self) -> bool {
+        self.parts.iter().any(|part| part.transfer.gives_motion())
+    }
+
     fn poses_wanted(&self) -> usize {
         self.parts.iter().map(|part| part.transfer.poses_wanted()).max().unwrap_or(0)
     }

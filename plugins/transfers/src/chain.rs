@@ -50,6 +50,10 @@ impl Transfer for Chain {
         self.transfers.iter().map(|transfer| transfer.markers_needed()).max().unwrap_or(0)
     }
 
+    fn gives_motion(&self) -> bool {
+        self.transfers.iter().any(|transfer| transfer.gives_motion())
+    }
+
     fn poses_wanted(&self) -> usize {
         self.transfers.iter().map(|transfer| transfer.poses_wanted()).max().unwrap_or(0)
     }

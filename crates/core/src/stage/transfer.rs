@@ -16,6 +16,7 @@ use crate::{Error, Figures, Result};
 /// - one rigid motion of the source moves a target of the same shape and place by it;
 /// - results are finite and have #V of the target entries;
 /// - without a map, `bind` succeeds or refuses as [`needs_correspondence`](Self::needs_correspondence) says;
+/// - the bound transfer gives a motion if [`gives_motion`](Self::gives_motion) says so, and only then;
 /// - equal inputs give equal results, on one thread or many, in any order of poses, alone or several at once.
 #[typetag::serde(tag = "type")]
 pub trait Transfer: Debug + Send + Sync {
@@ -57,6 +58,12 @@ pub trait Transfer: Debug + Send + Sync {
     /// How many markers [`bind`](Self::bind) needs, so that a pipeline can be checked without computing.
     fn markers_needed(&self) -> usize {
         0
+    }
+
+    /// Whether the bound transfer gives a [`motion`](BoundTransfer::motion), so that a run can be split into frames, or refused,
+    /// before anything is computed.
+    fn gives_motion(&self) -> bool {
+        false
     }
 
     /// How many poses of the source [`bind`](Self::bind) wants to see; they are held in memory together.

@@ -50,6 +50,7 @@ fn transfer_between(name: &str, stage: &dyn Transfer, source: &Surface, target: 
     }
 
     let bound = bind(target);
+    assert_eq!(bound.motion().is_some(), stage.gives_motion(), "{name}: gives a motion, or says that it does");
     near(name, "the source at rest gives the target at rest", &run(&*bound, &source.positions), &target.positions);
 
     let onto_itself = bind(source);

@@ -1,5 +1,7 @@
 //! The keys of results: hashes of all that a result depends on.
 
+use std::collections::HashSet;
+
 use blake3::{Hash, Hasher};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -14,8 +16,9 @@ use super::{
 };
 use crate::{
     formats::Formats,
-    input::{FileHashes, PoseInput, Prepared, RestMesh},
+    input::{FileHashes, PoseInput, Prepared, RestMesh, evenly_spaced},
     json::{to_bytes, to_value},
+    metrics::MEASURED_BEFORE,
     programs::program_file,
 };
 
@@ -52,7 +55,7 @@ pub struct RunKeys {
     pub correspondence: Option<StageKey>,
     /// The key of the bound transfer.
     pub transfer: StageKey,
-    /// The hash of the contents of each pose; `None` for a pose that cannot be read.
+    /// The hash of the contents of each pose; `None` for a pose that cannot be read, or is not asked for.
     poses: Vec<Option<Hash>>,
     /// The hash of the metrics with their settings.
     metrics: Hash,
@@ -66,6 +69,19 @@ impl RunKeys {
 
     /// The keys for `prepared`, computed by `program`.
     pub fn new(prepared: &Prepared, program: &str) -> Self {
+        Self::where_wanted(prepared, program, |_| true)
+    }
+
+    /// The keys for `prepared` without those of poses other than `poses`, which stand alone: only they, the two before each and those that
+    /// the transfer learns from are read.
+    pub fn of_part(prepared: &Prepared, program: &str, poses: &[usize]) -> Self {
+        let learned = prepared.pipeline.transfer.as_ref().map_or(0, |transfer| transfer.poses_wanted());
+        let mut wanted: HashSet<usize> = evenly_spaced(prepared.poses.len(), learned).into_iter().collect();
+        wanted.extend(poses.iter().flat_map(|&i| i.saturating_sub(MEASURED_BEFORE)..=i));
+        Self::where_wanted(prepared, program, |i| wanted.contains(&i))
+    }
+
+    fn where_wanted(prepared: &Prepared, program: &str, wanted: impl Fn(usize) -> bool + Sync) -> Self {
         let (source, target) = (hash_of_mesh(&prepared.source), hash_of_mesh(&prepared.target));
         let pipeline = &prepared.pipeline;
         let hashes = &prepared.hashes;
@@ -110,14 +126,21 @@ impl RunKeys {
         let poses: Vec<_> = prepared
             .poses
             .par_iter()
-            .map(|pose| hash_of_pose(&prepared.source, &source, pose, &prepared.formats, hashes))
+            .enumerate()
+            .map(|(i, pose)| match wanted(i) {
+                true => hash_of_pose(&prepared.source, &source, pose, &prepared.formats, hashes),
+                false => None,
+            })
             .collect();
-        let of_edits = prepared.shape_edits.par_iter().map(|edit| hash_of_edit(edit, prepared, &source));
+        let of_edits = prepared.shape_edits.par_iter().enumerate().map(|(i, edit)| match wanted(i) {
+            true => hash_of_edit(edit, prepared, &source),
+            false => None,
+        });
         let poses_alone = poses;
         let poses: Vec<_> =
             poses_alone.par_iter().zip(of_edits).map(|(pose, edit)| with_edit((*pose)?, edit)).collect();
         let (settings, files) = settings_and_files("transfer", to_value(&pipeline.transfer), hashes);
-        let wanted = pipeline.transfer.as_ref().map_or(0, |transfer| transfer.poses_wanted());
+        let learned = pipeline.transfer.as_ref().map_or(0, |transfer| transfer.poses_wanted());
         let transfer = StageKey::new(
             "transfer",
             &[
@@ -129,13 +152,14 @@ impl RunKeys {
                 ("markers", markers),
                 ("proximity", proximity_hex),
                 ("correspondence", to_value(&correspondence.as_ref().map(StageKey::hex))),
-                ("poses it learns from", hash_of_chosen(&poses_alone, wanted)),
+                ("poses it learns from", hash_of_chosen(&poses_alone, learned)),
                 ("poses are", to_value(&prepared.poses_are)),
             ],
         );
         let metrics = settings_and_files("metrics", to_value(&prepared.metrics), hashes);
         let metrics = blake3::hash(&to_bytes(&(program, metrics)));
-        let ground_truths = (0..poses.len()).into_par_iter().map(|i| hash_of_ground_truth(prepared, i)).collect();
+        let of_ground_truth = |i: usize| if wanted(i) { hash_of_ground_truth(prepared, i) } else { None };
+        let ground_truths = (0..poses.len()).into_par_iter().map(of_ground_truth).collect();
         Self { landmarks, proximity, correspondence, transfer, poses, metrics, ground_truths }
     }
 
@@ -146,10 +170,9 @@ impl RunKeys {
         std::array::from_fn(|i| (Self::STAGES[i], keys[i]))
     }
 
-    /// The key of the measurements of pose `i`, which depend on the two poses before it too.
-    pub fn metrics(&self, i: usize, motion: bool) -> Option<Key> {
-        let result = |i: usize| if motion { self.frame(i) } else { self.pose(i) };
-        let before = |back: usize| i.checked_sub(back).and_then(result).map_or(blake3::hash(b"none"), |key| key.0);
+    /// The key of the measurements of pose `i`, which depend on the two poses before it too; `result` gives the keys of their results.
+    pub fn metrics(&self, i: usize, result: impl Fn(usize) -> Option<Key>) -> Option<Key> {
+        let before = |back: usize| i.checked_sub(back).and_then(&result).map_or(blake3::hash(b"none"), |key| key.0);
         Some(self.of_poses("metrics", &[result(i)?.0, before(1), before(2), self.metrics, self.ground_truths[i]?]))
     }
 
@@ -162,6 +185,14 @@ impl RunKeys {
     pub fn frame(&self, i: usize) -> Option<Key> {
         let before: Vec<_> = self.poses[..i].iter().map(|pose| pose.unwrap_or(blake3::hash(b"unreadable"))).collect();
         Some(self.of_poses("frame", &[&before[..], &[self.poses[i]?]].concat()))
+    }
+
+    /// The key of frame `i`'s result in a motion that begins at frame `begin`, `warm` frames before the part that it is for. It is not
+    /// the exact result, which depends on all frames before it, and has another key.
+    pub fn warm_frame(&self, i: usize, begin: usize, warm: usize) -> Option<Key> {
+        let before = self.poses.get(begin..i)?.iter().map(|pose| pose.unwrap_or(blake3::hash(b"unreadable")));
+        let place = blake3::hash(&[begin, warm].map(|number| (number as u64).to_le_bytes()).concat());
+        Some(self.of_poses("warm", &std::iter::once(place).chain(before).chain([self.poses[i]?]).collect::<Vec<_>>()))
     }
 
     fn of_poses(&self, kind: &str, poses: &[Hash]) -> Key {

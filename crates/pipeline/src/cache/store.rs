@@ -186,6 +186,11 @@ impl Store {
         usage
     }
 
+    /// The bytes that the folder may grow to.
+    pub fn limit(&self) -> u64 {
+        self.limit
+    }
+
     /// The folder.
     pub fn folder(&self) -> &Path {
         &self.folder

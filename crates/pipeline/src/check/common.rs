@@ -17,6 +17,8 @@ use crate::{
 pub struct Options {
     /// `slot.key=value`, in the order given.
     pub settings: Vec<String>,
+    /// The names of the runs that are wanted, of those that the file declares; all of them if it is empty.
+    pub runs: Vec<String>,
     /// The folder for results, instead of those of the outputs.
     pub out: Option<PathBuf>,
     /// The name of the report, instead of `run.json`.

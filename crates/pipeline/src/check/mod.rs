@@ -1,6 +1,7 @@
 //! Everything that can be found wrong with a pipeline before computing, all at once; what remains is ready to run.
 
 mod capitals;
+mod chosen_runs;
 mod common;
 mod earlier;
 mod file_names;

@@ -7,19 +7,25 @@ use mimesh_core::{
     stage::{MeshWriter, RestShape},
 };
 use mimesh_document::{At, Step, path, paths};
+use serde_json::Value;
 
 use super::{
+    common::Options,
     file_names::check_file_names,
     findings::{Findings, Scope},
     writable::{Destination, WritableFiles},
 };
 use crate::{
     choices::is_open,
+    compose::Run,
     formats::Writes,
     input::{Output, Outputs, PoseInput, RestMesh, poses_are},
     placeholder::{POSE, placeholders, with_pose},
     spec::Pipeline,
 };
+
+/// The name of a report where the caller gives none.
+pub(super) const REPORT: &str = "run.json";
 
 /// The files that a run writes, as far as they can be known; `out` takes all results if it is given, and the file `report` beside the
 /// first of them the report.
@@ -128,6 +134,27 @@ fn warn_of_clip(found: &mut Findings, file: &Path, target: Option<&RestMesh>) {
          clips that show them hold it there",
         file.display()
     ));
+}
+
+/// Where `run`, one of `several` of a file or the only one, writes its report; `None` if it names no output.
+pub(super) fn report_place(run: &Run, options: &Options, several: bool) -> Option<PathBuf> {
+    let slot = path(["output"]);
+    let value = run.document.value.get("output")?;
+    let is_named = |value: &Value| value.as_str().is_some_and(|item| !item.is_empty());
+    let (item, at) = match value.as_array() {
+        Some(items) => {
+            let i = items.iter().position(is_named)?;
+            (&items[i], [&slot[..], &[Step::Index(i)]].concat())
+        }
+        None => (value, slot),
+    };
+    let first = Path::new(item.as_str()?);
+    let out = options.out.as_deref().map(|given| Destination::new(given, &run.variant, several));
+    let first = match (out, first.file_name()) {
+        (Some(out), Some(name)) => paths::tidy(&out.folder.join(name)),
+        _ => paths::from_base(run.document.folder(&at), first),
+    };
+    Some(first.parent().unwrap_or(Path::new("")).join(options.report.as_deref().unwrap_or(REPORT)))
 }
 
 /// The file that `path`, written at `at`, stands for.

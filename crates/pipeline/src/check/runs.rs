@@ -13,13 +13,14 @@ use mimesh_document::{Document, diagnostic::Result, path};
 use tracing::info_span;
 
 use super::{
+    chosen_runs::{ChosenRuns, choose_runs},
     common::{Options, check_formats, check_registry, pipeline_files, refused_without_reason},
     earlier::{foreign_report, look_around},
     findings::{Findings, Scope},
     ground_truth::ground_truth,
     markers::{clicks, markers},
     metrics::{check_bound, gates, metrics},
-    outputs::outputs,
+    outputs::{REPORT, outputs},
     pictures::view_script,
     rest_meshes::{check_inside_out, check_mirrored},
     run_diagnostics::RunDiagnostics,
@@ -33,7 +34,7 @@ use super::{
 use crate::{
     cache::{Cache, proximity_key},
     choices::{Open, choose_markers, choose_proximity, choose_stages, in_order},
-    compose::{self, Run, Runs, Variant},
+    compose::{self, Run, Runs},
     formats::Formats,
     handedness,
     input::{self, FileHashes, InputFile, Prepared, ProximityInput, RestMesh},
@@ -81,8 +82,13 @@ fn prepare_runs(
 ) -> Result<Vec<Prepared>> {
     let _reading = info_span!("reading").entered();
     let Runs { runs, diagnostics, suppressed, warnings, .. } = runs;
-    let mut collected = RunDiagnostics::new(&runs, diagnostics, suppressed);
     let (several, meshes) = (runs.len() > 1, SharedMeshes::default());
+    // What is wrong with how runs are declared comes before which of them are wanted.
+    let ChosenRuns { runs, other_reports } = match diagnostics.is_empty() {
+        true => choose_runs(runs, options)?,
+        false => ChosenRuns { runs, ..ChosenRuns::default() },
+    };
+    let mut collected = RunDiagnostics::new(&runs, diagnostics, suppressed);
     let mut shared = Shared { several, meshes, hashes: Arc::default(), cache };
     let mut prepared = Vec::new();
     for (i, run) in runs.into_iter().enumerate() {
@@ -93,7 +99,7 @@ fn prepare_runs(
         clock = Clock::start();
     }
     if collected.is_empty() {
-        name_reports(&mut prepared);
+        name_reports(&mut prepared, &other_reports);
         collected.add_whole(conflict(&prepared));
         collected.add_whole(prepared.iter().filter_map(foreign_report));
         collected.add_whole(prepared.iter_mut().flat_map(look_around));
@@ -197,8 +203,8 @@ fn prepare_one(
     let meshes = source.as_deref().zip(target.as_deref());
     let proximity =
         stages_and_proximity(scope, found_mut, &mut pipeline, open.proximity, meshes, markers.as_deref(), shared);
-    let out = options.out.as_deref().map(|given| destination(given, &variant, shared.several));
-    let report = options.report.as_deref().unwrap_or("run.json");
+    let out = options.out.as_deref().map(|given| Destination::new(given, &variant, shared.several));
+    let report = options.report.as_deref().unwrap_or(REPORT);
     let poses_are = input::poses_are(pipeline.source.poses_are, &poses);
     let outputs = outputs(scope, found_mut, &pipeline, target.as_deref(), &poses, out.as_ref(), report);
     let sides = [source.as_deref(), target.as_deref()];
@@ -339,10 +345,4 @@ fn proximity(stage: &dyn Proximity, target: &RestMesh, shared: &Shared<'_>) -> m
     graph.check(&target.surface)?;
     let report = clock.stop("proximity", name, graph.figures.clone());
     Ok(ProximityInput { graph, report })
-}
-
-/// The folder of this run's results: one of its own in `given`, if there are several runs.
-fn destination<'a>(given: &'a Path, variant: &Variant, several: bool) -> Destination<'a> {
-    let folder = if several { given.join(&variant.name) } else { given.into() };
-    Destination { given, folder }
 }

@@ -15,6 +15,7 @@ use super::{
     findings::{Findings, Scope},
 };
 use crate::{
+    compose::Variant,
     input::{InputFile, Prepared},
     placeholder::MAX_NAME,
     staging::not_a_file,
@@ -30,6 +31,14 @@ pub(super) struct Destination<'a> {
     pub given: &'a Path,
     /// The folder of this run's results: one of its own in the given folder, if there are several runs.
     pub folder: PathBuf,
+}
+
+impl<'a> Destination<'a> {
+    /// The folder `given` for a run, or one of its own in it, if there are `several`.
+    pub fn new(given: &'a Path, variant: &Variant, several: bool) -> Self {
+        let folder = if several { given.join(&variant.name) } else { given.into() };
+        Self { given, folder }
+    }
 }
 
 /// The files that are to be written, by what the system takes them for.
@@ -207,11 +216,11 @@ fn not_ours(_: &Path, _: &Path) -> Option<String> {
     None
 }
 
-/// Gives runs that write into one folder reports of their own names.
-pub(super) fn name_reports(runs: &mut [Prepared]) {
+/// Gives runs that write into one folder reports of their own names; `others` are the reports of runs of the file that are not wanted.
+pub(super) fn name_reports(runs: &mut [Prepared], others: &[PathBuf]) {
     let mut counts: HashMap<PathBuf, usize> = HashMap::new();
-    for run in runs.iter() {
-        *counts.entry(identity(&run.outputs.report)).or_default() += 1;
+    for report in runs.iter().map(|run| &run.outputs.report).chain(others) {
+        *counts.entry(identity(report)).or_default() += 1;
     }
     for run in runs.iter_mut() {
         if counts.get(&identity(&run.outputs.report)).is_some_and(|count| *count > 1) {

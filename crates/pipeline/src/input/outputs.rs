@@ -34,6 +34,24 @@ impl Outputs {
         meshes.chain(others).map(PathBuf::as_path).collect()
     }
 
+    /// The files that hold one of `poses` each.
+    pub fn files_of(&self, poses: &[usize]) -> Vec<&Path> {
+        let mut all = Vec::new();
+        for output in &self.meshes {
+            if let Output::Poses(files) = output {
+                all.extend(poses.iter().map(|&i| files[i].as_path()));
+            }
+        }
+        all
+    }
+
+    /// The files that show or hold all poses, without the report.
+    pub fn files_of_all(&self) -> Vec<&Path> {
+        let sequences = self.meshes.iter().filter(|output| matches!(output, Output::Sequence(_)));
+        let others = self.pages.iter().chain(&self.sheets).chain(&self.correspondence).map(PathBuf::as_path);
+        sequences.flat_map(Output::files).map(PathBuf::as_path).chain(others).collect()
+    }
+
     /// Whether the run draws pictures.
     pub fn are_visual(&self) -> bool {
         !self.pages.is_empty() || !self.sheets.is_empty()

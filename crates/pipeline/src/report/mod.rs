@@ -7,7 +7,7 @@ mod statistics;
 mod table;
 
 pub use process::{Usage, usage};
-pub use run_report::{InputReport, MeshFigures, MeshView, PoseReport, ProposedMarker, Report, RunOf};
+pub use run_report::{InputReport, MeshFigures, MeshView, PartReport, PoseReport, ProposedMarker, Report, RunOf};
 pub use stage::{Clock, StageReport};
 pub use statistics::Statistics;
 pub use table::{Results, Row, RunOutcome};

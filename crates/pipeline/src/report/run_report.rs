@@ -35,6 +35,9 @@ pub struct Report {
     /// Which of its runs this was, if it declares several.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub run: Option<RunOf>,
+    /// Which of its poses these are, if the run was split; such a report is written into no file.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub part: Option<PartReport>,
     /// Its settings in full, with defaults and with the values that were set beside the file.
     pub settings: Value,
     /// The values that were set beside the file.
@@ -114,6 +117,23 @@ impl RunOf {
             matrix: values.iter().cloned().collect(),
         })
     }
+}
+
+/// Some of the poses of a run.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize, Serialize)]
+pub struct PartReport {
+    /// The poses by number, from 0, e.g. `0-3,7`; empty for a shard without poses.
+    pub frames: String,
+    /// The number of poses.
+    pub poses: usize,
+    /// The number of poses of the whole run.
+    pub of: usize,
+    /// The shard, e.g. `1/4`, if it is one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub shard: Option<String>,
+    /// How many frames of a motion were computed before each stretch of frames, and thrown away.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub warm: Option<usize>,
 }
 
 /// How pictures see a mesh.

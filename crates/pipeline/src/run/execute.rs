@@ -1,28 +1,33 @@
 //! Executing a plan.
 
-use mimesh_core::{
-    Error,
-    stage::{MetricContext, Proposal, ProposedPair},
-};
+use std::collections::HashSet;
+
+use mimesh_core::stage::MetricContext;
 use mimesh_document::{Diagnostic, Diagnostics, Kind, diagnostic::Result};
-use mimesh_markers::IntoDiagnostic;
 use rayon::prelude::*;
-use serde_json::Value;
 use tracing::info_span;
 
-use super::{measure::Measurer, poses::PoseRunner, stages::Stages, stream::Stream, written};
+use super::{
+    assemble::{Done, assemble},
+    measure::Measurer,
+    poses::PoseRunner,
+    seams::seams,
+    stages::Stages,
+    stream::Stream,
+    written,
+};
 use crate::{
-    cache::{Cache, LastRun},
+    cache::{Cache, LastRun, Timing},
     check::no_pose_fits,
-    input::{InputFile, Prepared},
-    json::to_value,
-    metrics::{Gate, Level, MetricSet, PoseMetrics, Reason, landmark_doubt, over_poses},
+    input::Prepared,
+    metrics::{MEASURED_BEFORE, MetricSet, PoseMetrics, are_measured_alone},
     pictures::Thumbnails,
     plan::Plan,
     progress::Progress,
-    report::{Clock, InputReport, MeshFigures, PoseReport, ProposedMarker, Report, RunOf, usage},
+    report::{Clock, PoseReport, Report, StageReport, usage},
     rest_choice::warning_of_rest,
     shapes::ShapeEditor,
+    shard::{Extent, missing_poses},
     staging::{Staged, Transaction},
 };
 
@@ -50,12 +55,21 @@ pub fn run(
     cache: Option<&Cache>,
     progress: &dyn Progress,
 ) -> Result<Finished> {
+    // The threads of the pool are in no span.
+    let span = info_span!("run", "type" = &*prepared.variant.name);
+    in_pool(threads, || span.in_scope(|| execute(prepared, plan, cache, progress)))
+}
+
+/// Does `work` on so many threads (0: as many as the machine has).
+///
+/// # Errors
+///
+/// Those of the work, and if the system starts no threads.
+pub(super) fn in_pool<T: Send>(threads: usize, work: impl FnOnce() -> Result<T> + Send) -> Result<T> {
     let name = |worker| format!("worker {}", worker + 1);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).thread_name(name).build();
     let pool = pool.map_err(|error| Diagnostic::new(Kind::Internal, format!("cannot start threads: {error}")))?;
-    // The threads of the pool are in no span.
-    let span = info_span!("run", "type" = &*prepared.variant.name);
-    pool.install(|| span.in_scope(|| execute(prepared, plan, cache, progress)))
+    pool.install(work)
 }
 
 fn execute(prepared: &Prepared, plan: &Plan, cache: Option<&Cache>, progress: &dyn Progress) -> Result<Finished> {
@@ -64,54 +78,65 @@ fn execute(prepared: &Prepared, plan: &Plan, cache: Option<&Cache>, progress: &d
     };
     let since_start = Clock::start();
     Diagnostics { list: no_pose_fits(prepared) }.into_result()?;
-    let transaction = Transaction::begin(prepared.outputs.files())?;
+    Diagnostics { list: missing_poses(plan).into_iter().collect() }.into_result()?;
+    let is_part = plan.extent.is_part();
+    let places = if is_part { prepared.outputs.files_of(plan.order.poses()) } else { prepared.outputs.files() };
+    let transaction = Transaction::begin(places)?;
     transaction.warnings().iter().for_each(|warning| progress.warning(warning));
-    let cached = cache.zip(plan.cached.as_ref());
-    let stages = Stages::new(prepared, transfer.as_ref(), cached, progress);
-    stages.propose()?;
-    let measured = cached_metrics(prepared, plan, &stages);
-    if plan.needs_map(prepared, measured.is_some()) {
-        stages.map()?;
-    } else {
-        stages.cached_map();
+    let stages = Stages::new(prepared, plan, transfer.as_ref(), cache, progress);
+    // A part without poses needs no stage.
+    if is_part && plan.order.is_empty() {
+        let report = assemble(prepared, plan, stages, Done::default(), cache, since_start)?;
+        return Ok(Finished { report, failed: vec![] });
     }
-    match cached.and_then(|(_, cached)| cached.transfer.clone().filter(|_| cached.complete)) {
-        Some(summary) => {
-            let clock = Clock::start();
-            stages.report(clock.stop("transfer", transfer.typetag_name(), summary.figures).reused());
+    let measured = run_stages(prepared, plan, &stages, cache)?;
+    if let Extent::Part(part) = &plan.extent
+        && stages.bound_so_far().is_some_and(|bound| bound.motion().is_some())
+    {
+        part.check_motion()?;
+        // A transfer that does not declare its motion is known only once it was bound.
+        if cache.is_some() && plan.cached.as_ref().is_some_and(|cached| !cached.motion) {
+            let message = "the poses turn out to be frames of one motion";
+            return Err(Diagnostic::new(Kind::Busy, message).hint("run this again: it is known now").into());
         }
-        None => _ = stages.bound()?,
-    }
-    if let Some((cache, cached)) = cached {
-        LastRun::of(&cached.keys).store(&cache.store, prepared);
     }
 
     let mut staged = Vec::new();
-    if let Some(path) = &prepared.outputs.correspondence
+    if let Some(path) = prepared.outputs.correspondence.as_ref().filter(|_| !is_part)
         && let Some(map) = stages.map()?
     {
         staged.push(written::correspondence(&transaction, path, map)?);
     }
-    progress.poses(prepared.poses.len());
-    let metrics = match measured {
-        Some(_) => MetricSet::for_verdicts(&prepared.metrics),
-        None => info_span!("metrics").in_scope(|| MetricSet::bind(&prepared.metrics, context(prepared, &stages)))?,
+    progress.poses(plan.order.len());
+    let metrics = match plan.cached.as_ref().is_some_and(|cached| cached.measured) && measured.is_whole {
+        true => MetricSet::for_verdicts(&prepared.metrics),
+        false => info_span!("metrics").in_scope(|| MetricSet::bind(&prepared.metrics, context(prepared, &stages)))?,
     };
     let metrics = metrics.with_gates(&prepared.gates);
-    let thumbnails = prepared.outputs.are_visual().then(|| Thumbnails::new(prepared, stages.cached_map()));
+    let is_visual = prepared.outputs.are_visual() && !is_part;
+    let thumbnails = is_visual.then(|| Thumbnails::new(prepared, stages.cached_map()));
     let measurer =
-        Measurer { prepared, metrics: &metrics, measured: measured.as_deref(), thumbnails: thumbnails.as_ref() };
+        Measurer { prepared, metrics: &metrics, measured: &measured.of_poses, thumbnails: thumbnails.as_ref() };
     let shapes = ShapeEditor::new(prepared, stages.pair());
-    let runner =
-        PoseRunner { prepared, transaction: &transaction, stages: &stages, measurer: &measurer, shapes: &shapes };
+    let runner = PoseRunner {
+        prepared,
+        transaction: &transaction,
+        stages: &stages,
+        measurer: &measurer,
+        shapes: &shapes,
+        is_part,
+    };
     let clock = Clock::start();
     let Stream { poses, failed, files, mut warnings } =
         info_span!("poses").in_scope(|| Stream::run(&runner, progress))?;
-    warnings.extend(shapes.warning());
+    warnings.extend(shapes.warning(plan.order.poses()));
+    warnings.extend(seams(prepared, plan, &stages).map(|seams| seams.warning()));
     drop(metrics);
     staged.extend(files);
-    stages.report(clock.stop("poses", "", Default::default()));
-    if failed.len() == poses.len() {
+    let of_poses = clock.stop("poses", "", Default::default());
+    note_times(prepared, plan, &stages, cache, (&of_poses, &poses));
+    stages.report(of_poses);
+    if failed.len() == poses.len() && !is_part {
         return Err(Diagnostics { list: failed });
     }
 
@@ -122,7 +147,8 @@ fn execute(prepared: &Prepared, plan: &Plan, cache: Option<&Cache>, progress: &d
     });
     progress.stage("writing");
     let _writing = info_span!("writing").entered();
-    let mut report = assemble(prepared, stages, poses, &failed, &staged, cache, since_start)?;
+    let done = Done { poses, failed: failed.len(), staged: &staged };
+    let mut report = assemble(prepared, plan, stages, done, cache, since_start)?;
     let of_others = transaction.warnings().iter().cloned();
     let of_run = of_others.chain(warnings).chain(of_rest);
     report.warnings.splice(prepared.warnings.len()..prepared.warnings.len(), of_run);
@@ -133,19 +159,84 @@ fn execute(prepared: &Prepared, plan: &Plan, cache: Option<&Cache>, progress: &d
         report.outputs.extend(visual.iter().map(Staged::written));
         staged.extend(visual);
     }
-    staged.push(written::report(&transaction, &prepared.outputs.report, &report)?);
+    if !is_part {
+        staged.push(written::report(&transaction, &prepared.outputs.report, &report)?);
+    }
     transaction.commit(staged)?;
     Ok(Finished { report, failed })
 }
 
-/// The cached measurements of all poses, where they will do.
-fn cached_metrics(prepared: &Prepared, plan: &Plan, stages: &Stages<'_>) -> Option<Vec<PoseMetrics>> {
-    let measured = plan.cached.as_ref().is_some_and(|cached| cached.measured);
-    if !measured {
-        return None;
+/// The measurements of the poses of a run that are cached.
+struct CachedMetrics {
+    /// By the places of poses in the order of the run.
+    of_poses: Vec<Option<PoseMetrics>>,
+    /// Whether every pose that has a result has measurements.
+    is_whole: bool,
+}
+
+/// Runs the stages that run once, as far as they are needed, and looks up measurements.
+fn run_stages(prepared: &Prepared, plan: &Plan, stages: &Stages<'_>, cache: Option<&Cache>) -> Result<CachedMetrics> {
+    stages.propose()?;
+    let cached = cache.zip(plan.cached.as_ref());
+    let measured = cached_metrics(prepared, plan, stages);
+    let is_measured = cached.is_some_and(|(_, cached)| cached.measured) && measured.is_whole;
+    if plan.needs_map(prepared, is_measured) {
+        stages.map()?;
+    } else {
+        stages.cached_map();
     }
-    let poses = stages.pose_cache()?;
-    (0..prepared.poses.len()).into_par_iter().map(|i| poses.metrics(i)).collect()
+    match cached.and_then(|(_, cached)| cached.transfer.clone().filter(|_| cached.complete)) {
+        Some(summary) => {
+            let clock = Clock::start();
+            stages.report(clock.stop("transfer", stages.transfer.typetag_name(), summary.figures).reused());
+        }
+        None => _ = stages.bound()?,
+    }
+    if let Some((cache, cached)) = cached {
+        LastRun::of(&cached.keys).store(&cache.store, prepared);
+    }
+    Ok(measured)
+}
+
+/// The cached measurements of the poses of a run, where they will do.
+fn cached_metrics(prepared: &Prepared, plan: &Plan, stages: &Stages<'_>) -> CachedMetrics {
+    let (order, alone) = (&plan.order, are_measured_alone(prepared));
+    let none = || CachedMetrics { of_poses: vec![None; order.len()], is_whole: false };
+    // Pictures show more than measurements hold.
+    if prepared.outputs.are_visual() && !plan.extent.is_part() {
+        return none();
+    }
+    let Some(cache) = stages.pose_cache() else { return none() };
+    let of_place = |place: usize| {
+        // What is measured without the poses before is not what is cached.
+        let is_exact = alone || order.has_all_before::<MEASURED_BEFORE>(place);
+        cache.metrics(order.poses()[place]).filter(|_| is_exact)
+    };
+    let of_poses: Vec<_> = (0..order.len()).into_par_iter().map(of_place).collect();
+    let missing = order.poses().par_iter().zip(&of_poses).filter(|(_, metrics)| metrics.is_none());
+    let is_whole = missing.map(|(pose, _)| *pose).all(|pose| !cache.contains(pose));
+    CachedMetrics { of_poses, is_whole }
+}
+
+/// Stores how long the run took, if it has computed poses.
+fn note_times(
+    prepared: &Prepared,
+    plan: &Plan,
+    stages: &Stages<'_>,
+    cache: Option<&Cache>,
+    (of_poses, poses): (&StageReport, &[PoseReport]),
+) {
+    let computed = poses.iter().filter(|pose| !pose.reused && pose.error.is_none()).count();
+    let Some((cache, cached)) = cache.zip(plan.cached.as_ref()).filter(|_| computed > 0) else { return };
+    if let Some(seconds) = stages.seconds_of_binding() {
+        let timing = Timing {
+            threads: rayon::current_num_threads(),
+            start_seconds: prepared.seconds() + seconds,
+            pose_seconds: Some(of_poses.seconds / computed as f64),
+            peak_memory_bytes: usage().peak_memory_bytes,
+        };
+        timing.store(cache, cached.keys.transfer.key);
+    }
 }
 
 /// What metrics are bound to.
@@ -158,125 +249,7 @@ fn context<'a>(prepared: &'a Prepared, stages: &'a Stages<'_>) -> MetricContext<
     }
 }
 
-/// The report of a run whose poses are done.
-fn assemble(
-    prepared: &Prepared,
-    stages: Stages<'_>,
-    poses: Vec<PoseReport>,
-    failed: &[Diagnostic],
-    staged: &[Staged],
-    cache: Option<&Cache>,
-    since_start: Clock,
-) -> Result<Report> {
-    let clock = Clock::start();
-    let proposed_markers = proposed_markers(prepared, stages.proposal());
-    let doubt = stages.proposal().and_then(landmark_doubt);
-    let inputs = inputs(prepared)?;
-    stages.report(clock.stop("writing", "", Default::default()));
-    if let Some(cache) = cache {
-        cache.store.clean_up();
-    }
-    let unmeasured: Vec<String> =
-        prepared.gates.iter().filter(|gate| !is_measured(gate, &poses)).map(unmeasured_gate).collect();
-    let of_cache = cache.map(Cache::warnings).unwrap_or_default();
-    let stages = stages.into_reports();
-    let rest_verdict = poses.iter().find_map(|pose| pose.rest_verdict.clone());
-    let rest_verdict = match doubt {
-        Some(doubt) => Some(rest_verdict.unwrap_or_default().with(doubt)),
-        None => rest_verdict,
-    };
-    let shared = rest_verdict.as_ref().map(|verdict| verdict.level);
-    Ok(Report {
-        mimesh: env!("CARGO_PKG_VERSION").into(),
-        status: if failed.is_empty() { "done" } else { "partly" }.into(),
-        pipeline: prepared.file.clone(),
-        place: prepared.outputs.report.clone(),
-        settings: settings(prepared),
-        set: prepared.set.clone(),
-        threads: rayon::current_num_threads(),
-        inputs,
-        source: MeshFigures::new(&prepared.source),
-        target: MeshFigures::new(&prepared.target),
-        choices: prepared.choices.clone(),
-        markers: prepared.markers().len(),
-        proposed_markers,
-        run: RunOf::new(&prepared.variant),
-        verdict: worst(&poses).max(shared).max(unmeasured.first().map(|_| Level::Failed)),
-        rest_verdict,
-        target_view: None,
-        gates: prepared.gates.iter().map(|gate| (gate.key.clone(), gate.limit.into())).collect(),
-        warnings: prepared.warnings.iter().cloned().chain(unmeasured).chain(of_cache).collect(),
-        metrics: over_poses(&poses),
-        seconds: prepared.seconds() + since_start.seconds(),
-        stages,
-        poses,
-        outputs: staged.iter().map(Staged::written).collect(),
-        process: usage(),
-    })
-}
-
-/// The markers that a stage proposed, as files count their points.
-fn proposed_markers(prepared: &Prepared, proposal: Option<&Proposal>) -> Vec<ProposedMarker> {
-    let of_file = |pair: &ProposedPair| ProposedMarker {
-        name: pair.marker.name.clone(),
-        source: prepared.source.surface.mesh_point(pair.marker.source),
-        target: prepared.target.surface.mesh_point(pair.marker.target),
-        confidence: pair.confidence,
-    };
-    proposal.into_iter().flat_map(|proposal| proposal.pairs.iter().map(of_file)).collect()
-}
-
-/// The settings in full.
-fn settings(prepared: &Prepared) -> Value {
-    let mut settings = to_value(&prepared.pipeline);
-    settings["metrics"] = to_value(&prepared.metrics);
-    settings["formats"] = to_value(prepared.formats.all());
-    settings
-}
-
-/// Size and hash of every file that was read.
-fn inputs(prepared: &Prepared) -> Result<Vec<InputReport>> {
-    let report = |input: &InputFile| match prepared.hashes.get(&input.path) {
-        Some(file) => {
-            let (role, path) = (input.role.to_owned(), input.path.clone());
-            Some(Ok(InputReport { role, path, bytes: file.bytes, blake3: file.blake3 }))
-        }
-        // A pose that cannot be read has a diagnostic of its own.
-        None if input.is_pose() => None,
-        None => {
-            let error = std::io::Error::from(std::io::ErrorKind::NotFound);
-            Some(Err(Error::read(&input.path, error).into_diagnostic().into()))
-        }
-    };
-    prepared.inputs.par_iter().filter_map(report).collect()
-}
-
-/// The warning about a gate whose statistic no pose has.
-fn unmeasured_gate(gate: &Gate) -> String {
-    format!(
-        "the gate `{}` is broken: {} gave `{}` for no pose; remove the gate, or give the metric what it needs",
-        gate.key, gate.metric, gate.statistic
-    )
-}
-
-/// Whether the statistic of `gate` was measured in any of `poses`, or a verdict says that it could not be.
-fn is_measured(gate: &Gate, poses: &[PoseReport]) -> bool {
-    let is_reason = |reason: &Reason| reason.level == Level::Failed && reason.metric == gate.metric;
-    poses.iter().any(|pose| {
-        pose.metrics.contains(&gate.metric, &gate.statistic)
-            || [&pose.verdict, &pose.rest_verdict]
-                .into_iter()
-                .flatten()
-                .any(|verdict| verdict.reasons.iter().any(is_reason))
-    })
-}
-
-/// The worst verdict of any pose.
-fn worst(poses: &[PoseReport]) -> Option<Level> {
-    poses.iter().filter_map(|pose| Some(pose.verdict.as_ref()?.level)).max()
-}
-
 fn deduplicate(warnings: &mut Vec<String>) {
-    let mut seen = std::collections::HashSet::new();
+    let mut seen = HashSet::new();
     warnings.retain(|warning| seen.insert(warning.clone()));
 }

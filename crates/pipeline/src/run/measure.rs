@@ -9,7 +9,7 @@ use nalgebra::Point3;
 use crate::{
     cache::{PoseCache, PosedTarget},
     input::Prepared,
-    metrics::{MetricSet, PoseMetrics, Reason},
+    metrics::{MEASURED_BEFORE, MetricSet, PoseMetrics, Reason},
     pictures::{PoseView, Thumbnails},
     report::PoseReport,
 };
@@ -20,8 +20,8 @@ pub(super) struct Measurer<'a> {
     pub prepared: &'a Prepared,
     /// The metrics.
     pub metrics: &'a MetricSet<'a>,
-    /// The measurements of every pose, if they are cached.
-    pub measured: Option<&'a [PoseMetrics]>,
+    /// The cached measurements of the poses that have some, by their places in the order of the run.
+    pub measured: &'a [Option<PoseMetrics>],
     /// The pictures, if any are wanted.
     pub thumbnails: Option<&'a Thumbnails<'a>>,
 }
@@ -51,27 +51,28 @@ impl PosedPose {
 }
 
 impl Measurer<'_> {
-    /// Whether poses are measured, not only looked up.
-    pub fn is_measuring(&self) -> bool {
-        self.measured.is_none()
+    /// Whether the pose at `place`, or one after that looks at it, is measured and not only looked up.
+    pub fn is_measuring(&self, place: usize) -> bool {
+        let mut places = place..=place + MEASURED_BEFORE;
+        places.any(|place| self.measured.get(place).is_some_and(Option::is_none))
     }
 
-    /// Whether metrics or pictures ask for the posed source.
-    pub fn wants_source(&self) -> bool {
-        self.is_measuring() && (self.metrics.needs_source() || self.thumbnails.is_some())
+    /// Whether metrics or pictures ask for the posed source at `place`.
+    pub fn wants_source(&self, place: usize) -> bool {
+        self.is_measuring(place) && (self.metrics.needs_source() || self.thumbnails.is_some())
     }
 
-    /// Measures pose `i`, against the ground truth too if that is known.
+    /// Measures pose `i`, which is at `place`, against the ground truth too if that is known.
     pub fn measure(
         &self,
-        i: usize,
+        [i, place]: [usize; 2],
         posed: &PosedPose,
         before: [Option<Frame<'_>>; 2],
         cache: Option<PoseCache<'_>>,
         report: &mut PoseReport,
     ) {
-        if let Some(measured) = self.measured {
-            return self.record(&measured[i], report);
+        if let Some(measured) = &self.measured[place] {
+            return self.record(measured, report);
         }
         let target = &self.prepared.target;
         let mut unreadable = false;

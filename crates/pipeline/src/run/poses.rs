@@ -1,11 +1,11 @@
 //! Poses of a run, read and transferred, ready to be measured.
 
-use std::{ops::Range, path::Path};
+use std::path::Path;
 
 use mimesh_core::{
     Error, Result,
     mesh::check_finite,
-    stage::{BoundTransfer, Motion, Transferred},
+    stage::{BoundTransfer, Transferred},
 };
 use mimesh_document::{Diagnostic, Location};
 use mimesh_markers::IntoDiagnostic;
@@ -21,6 +21,7 @@ use crate::{
     cache::PosedTarget,
     input::{PoseFrom, PoseInput, Prepared, read_pose},
     shapes::ShapeEditor,
+    shard::PoseOrder,
     staging::Transaction,
 };
 
@@ -36,87 +37,74 @@ pub(super) struct PoseRunner<'a> {
     pub measurer: &'a Measurer<'a>,
     /// Changes shapes as the pipeline says.
     pub shapes: &'a ShapeEditor<'a>,
+    /// Whether only files of one pose each are written.
+    pub is_part: bool,
 }
 
 /// Something of a pose, or why there is none.
 pub(super) type PoseResult<T> = std::result::Result<T, Diagnostic>;
 
 /// The source in a pose.
-struct SourcePose {
+pub(super) struct SourcePose {
     /// The vertices of its surface.
-    surface: Vec<Point3<f64>>,
+    pub surface: Vec<Point3<f64>>,
     /// Vertices on seams that are closed at rest and open here.
     opened: usize,
 }
 
 impl<'a> PoseRunner<'a> {
-    /// A pose from the cache.
-    pub(super) fn reused(&self, pose: &PoseInput, target: PosedTarget) -> PoseResult<PosedPose> {
-        // The source is only there to measure against; where it cannot be read, less is measured.
-        let posed = if self.measurer.wants_source() { self.read(pose, &Span::current()).ok() } else { None };
-        self.measurable(pose, target, true, posed.map(|posed| posed.surface))
+    /// The poses of the run in their order.
+    pub fn order(&self) -> &'a PoseOrder {
+        self.stages.order
     }
 
-    /// Poses that stand alone.
-    pub(super) fn transferred(&self, poses: &[usize], bound: &dyn BoundTransfer) -> Vec<PoseResult<PosedPose>> {
+    /// The pose at `place` in the order, which was cached.
+    pub fn reused(&self, place: usize, target: PosedTarget) -> PoseResult<PosedPose> {
+        let pose = &self.prepared.poses[self.order().poses()[place]];
+        // The source is only there to measure against; where it cannot be read, less is measured.
+        let posed = if self.measurer.wants_source(place) { self.read(pose, &Span::current()).ok() } else { None };
+        self.measurable(place, target, true, posed.map(|posed| posed.surface))
+    }
+
+    /// The poses at some places of the order, which stand alone.
+    pub fn transferred(&self, places: &[usize], bound: &dyn BoundTransfer) -> Vec<PoseResult<PosedPose>> {
         let span = Span::current();
-        let read = |&i: &usize| self.read(&self.prepared.poses[i], &span);
-        let sources: Vec<_> = poses.par_iter().map(read).collect();
+        let poses = self.order().poses();
+        let read = |&place: &usize| self.read(&self.prepared.poses[poses[place]], &span);
+        let sources: Vec<_> = places.par_iter().map(read).collect();
         let readable: Vec<&[Point3<f64>]> = sources.iter().flatten().map(|source| source.surface.as_slice()).collect();
         let mut transferred = self.transfer_span(readable.len()).in_scope(|| bound.transfer_all(&readable)).into_iter();
         let results: Vec<_> = sources
             .into_iter()
             .map(|source| source.map(|source| (source, transferred.next().expect("each pose has a result"))))
             .collect();
-        let posed = |(&i, result): (&usize, PoseResult<(SourcePose, Result<Transferred>)>)| {
+        let posed = |(&place, result): (&usize, PoseResult<(SourcePose, Result<Transferred>)>)| {
             let (source, transferred) = result?;
-            debug_span!(parent: &span, "result").in_scope(|| self.posed(i, source, transferred))
+            debug_span!(parent: &span, "result").in_scope(|| self.posed(place, source, transferred))
         };
-        poses.par_iter().zip(results).map(posed).collect()
+        places.par_iter().zip(results).map(posed).collect()
     }
 
-    /// Frames of one motion: read side by side, but transferred one after the other.
-    pub(super) fn frames(&self, frames: Range<usize>, motion: &mut dyn Motion) -> Vec<PoseResult<PosedPose>> {
-        let poses = &self.prepared.poses;
-        let span = Span::current();
-        let read: Vec<_> = frames.clone().into_par_iter().map(|i| self.read(&poses[i], &span)).collect();
-        let transferred: Vec<_> = frames
-            .clone()
-            .zip(read)
-            .map(|(i, source)| {
-                let source = source?;
-                let transferred = self.transfer_span(1).in_scope(|| motion.frame(i, &source.surface));
-                Ok((source, transferred))
-            })
-            .collect();
-        let posed = |(i, result): (usize, PoseResult<(SourcePose, Result<Transferred>)>)| {
-            let (source, transferred) = result?;
-            debug_span!(parent: &span, "result").in_scope(|| self.posed(i, source, transferred))
-        };
-        frames.into_par_iter().zip(transferred).map(posed).collect()
-    }
-
-    /// Brings a motion to frame `end`; the results before it are there already.
-    pub(super) fn replay(&self, end: usize, motion: &mut dyn Motion) {
-        for (i, pose) in self.prepared.poses[..end].iter().enumerate() {
-            if let Ok(source) = self.read(pose, &Span::current()) {
-                // A frame that failed was reported when it came first.
-                let _ = motion.frame(i, &source.surface);
-            }
-        }
-    }
-
-    /// The result of pose `i`; it is cached at once, so that a run that is killed afterwards need not transfer it again.
-    fn posed(&self, i: usize, source: SourcePose, transferred: Result<Transferred>) -> PoseResult<PosedPose> {
-        let pose = &self.prepared.poses[i];
+    /// The result of the pose at `place`; it is cached at once, so that a run that is killed afterwards need not transfer it again.
+    pub fn posed(&self, place: usize, source: SourcePose, transferred: Result<Transferred>) -> PoseResult<PosedPose> {
+        let i = self.order().poses()[place];
         let target = self.target(i, &source, transferred).map_err(|error| {
             let name = self.stages.transfer.typetag_name();
-            pose_error(&pose.name, None, Some(format!("transfer ({name})")), error)
-        })?;
+            pose_error(&self.prepared.poses[i].name, None, Some(format!("transfer ({name})")), error)
+        });
+        let target = target?;
         if let Some(cache) = self.stages.pose_cache() {
             cache.put(i, &target);
         }
-        self.measurable(pose, target, false, Some(source.surface))
+        self.measurable(place, target, false, Some(source.surface))
+    }
+
+    /// Caches frame `i` of the motion that begins at `begin`, the last before a part: the part before has the same frame, and how far they
+    /// are apart shows what the warm frames were worth.
+    pub fn keep_last_warm_frame(&self, i: usize, begin: usize, source: &SourcePose, transferred: Result<Transferred>) {
+        if let (Some(cache), Ok(target)) = (self.stages.pose_cache(), self.target(i, source, transferred)) {
+            cache.put_warm_frame(i, begin, &target);
+        }
     }
 
     /// The target's mesh when the source is at `source`.
@@ -142,16 +130,17 @@ impl<'a> PoseRunner<'a> {
     /// A posed target with all that metrics ask for.
     fn measurable(
         &self,
-        pose: &PoseInput,
+        place: usize,
         target: PosedTarget,
         reused: bool,
         source: Option<Vec<Point3<f64>>>,
     ) -> PoseResult<PosedPose> {
         let rest = &self.prepared.target;
-        let source = source.filter(|_| self.measurer.wants_source());
-        let surface = if self.measurer.is_measuring() {
+        let source = source.filter(|_| self.measurer.wants_source(place));
+        let surface = if self.measurer.is_measuring(place) {
             let surface = rest.surface.from_mesh(&target.positions).map(|surface| rest.mirrored_positions(surface));
-            surface.map_err(|error| pose_error(&pose.name, None, None, error))?
+            let name = &self.prepared.poses[self.order().poses()[place]].name;
+            surface.map_err(|error| pose_error(name, None, None, error))?
         } else {
             vec![]
         };
@@ -159,12 +148,12 @@ impl<'a> PoseRunner<'a> {
     }
 
     /// The span of a transfer of `count` poses.
-    fn transfer_span(&self, count: usize) -> Span {
+    pub fn transfer_span(&self, count: usize) -> Span {
         debug_span!("transfer", "type" = self.stages.transfer.typetag_name(), count)
     }
 
     /// The source in a pose, for what `span` is about.
-    fn read(&self, pose: &PoseInput, span: &Span) -> PoseResult<SourcePose> {
+    pub fn read(&self, pose: &PoseInput, span: &Span) -> PoseResult<SourcePose> {
         let _reading = debug_span!(parent: span, "read", pose = &*pose.name).entered();
         let source = &self.prepared.source;
         let file = if let PoseFrom::File(file) = &pose.from { Some(file.as_path()) } else { None };

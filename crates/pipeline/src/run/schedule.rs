@@ -8,10 +8,9 @@ use std::{
 
 use rayon::Scope;
 
-/// The number of poses before one that its measurements may look at.
-pub(super) const BEFORE: usize = 2;
+use crate::metrics::MEASURED_BEFORE as BEFORE;
 
-/// How poses go through.
+/// How poses go through, which are numbered by their places in the order of the run.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Schedule {
     /// The number of poses.

@@ -6,18 +6,19 @@ use mimesh_core::{
     Figures, Result,
     stage::{BindInput, BoundTransfer, Proposal, Transfer, TransferPair, TriangleMap, Work},
 };
-use mimesh_document::{Diagnostic, Diagnostics, diagnostic};
+use mimesh_document::{Diagnostic, Diagnostics, Kind, diagnostic};
 use mimesh_markers::IntoDiagnostic;
 use tracing::{Span, info_span};
 
 use crate::{
-    cache::{Cache, PoseCache, TransferSummary},
+    cache::{Cache, PoseCache, StageKey, StageLock, TransferSummary},
     handedness,
     input::{Prepared, read_evenly_spaced},
-    plan::CachedRun,
+    plan::{CachedRun, Plan},
     progress::{Progress, Rising},
     propose::propose,
     report::{Clock, StageReport},
+    shard::{Extent, PoseOrder},
 };
 
 /// Remedy: give markers in place of those that a stage proposes.
@@ -29,6 +30,12 @@ pub(super) struct Stages<'a> {
     /// The transfer of the pipeline.
     pub transfer: &'a dyn Transfer,
     cache: Option<(&'a Cache, &'a CachedRun)>,
+    /// The poses of the run in their order.
+    pub order: &'a PoseOrder,
+    /// Whether no pose is computed.
+    pub is_merge: bool,
+    /// What is done about results that several processes may compute at once.
+    sharing: Sharing,
     progress: &'a dyn Progress,
     proposal: OnceLock<Proposal>,
     map: OnceLock<TriangleMap>,
@@ -36,14 +43,28 @@ pub(super) struct Stages<'a> {
     reports: Mutex<Vec<StageReport>>,
 }
 
+/// What is done about results that several processes may compute at once.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Sharing {
+    /// Nothing: they are computed.
+    None,
+    /// They are left to a process that has locked them.
+    Respect,
+    /// They are locked while they are computed, and left to a process that has done so before.
+    Lock,
+}
+
 impl<'a> Stages<'a> {
-    /// The stages of `prepared`, none of which has run but those that its check needed.
+    /// The stages of `prepared` by `plan`, none of which has run but those that its check needed.
     pub fn new(
         prepared: &'a Prepared,
+        plan: &'a Plan,
         transfer: &'a dyn Transfer,
-        cache: Option<(&'a Cache, &'a CachedRun)>,
+        cache: Option<&'a Cache>,
         progress: &'a dyn Progress,
     ) -> Self {
+        let cache = cache.zip(plan.cached.as_ref());
+        let sharing = if plan.extent == Extent::Whole { Sharing::None } else { Sharing::Respect };
         let mut reports = vec![prepared.reading.clone()];
         if let Some(proximity) = &prepared.proximity {
             reports.push(proximity.report.clone());
@@ -54,7 +75,33 @@ impl<'a> Stages<'a> {
             }
         }
         let (proposal, map, bound) = (OnceLock::new(), OnceLock::new(), OnceLock::new());
-        Self { prepared, transfer, cache, progress, proposal, map, bound, reports: Mutex::new(reports) }
+        let (order, is_merge, reports) = (&plan.order, plan.extent.is_merge(), Mutex::new(reports));
+        Self { prepared, transfer, cache, order, is_merge, sharing, progress, proposal, map, bound, reports }
+    }
+
+    /// The same stages, locked while they are computed.
+    pub fn locked(self) -> Self {
+        Self { sharing: Sharing::Lock, ..self }
+    }
+
+    /// Takes the lock on the result of `stage` (by the implementation `name`) if that is called for.
+    ///
+    /// # Errors
+    ///
+    /// [`Kind::Busy`] if another process computes this result and it is not computed twice.
+    fn lock(&self, stage: &'static str, name: &str, key: Option<&StageKey>) -> diagnostic::Result<Option<StageLock>> {
+        let Some(((cache, _), key)) = self.cache.zip(key) else { return Ok(None) };
+        let held = match self.sharing {
+            Sharing::None => return Ok(None),
+            Sharing::Respect => StageLock::holder(&cache.store, stage, key.key).map_or(Ok(None), Err),
+            Sharing::Lock => StageLock::take(&cache.store, stage, key.key).map(Some),
+        };
+        held.map_err(|holder| {
+            let message = format!("{stage} ({name}): {holder} computes it now");
+            Diagnostic::new(Kind::Busy, message)
+                .hint("run this again when it is done; its result is then cached")
+                .into()
+        })
     }
 
     /// The surfaces, markers and the proximity graph.
@@ -78,7 +125,14 @@ impl<'a> Stages<'a> {
         let name = landmarks.typetag_name();
         let key = self.cache.and_then(|(cache, cached)| Some((cache, cached.keys.landmarks.as_ref()?.key)));
         let clock = Clock::start();
-        let cached: Option<Proposal> = key.and_then(|(cache, key)| cache.get("landmarks", key));
+        let find = || -> Option<Proposal> { key.and_then(|(cache, key)| cache.get("landmarks", key)) };
+        let mut cached = find();
+        let mut lock = None;
+        if cached.is_none() {
+            lock = self.lock("landmarks", name, self.cache.and_then(|(_, cached)| cached.keys.landmarks.as_ref()))?;
+            // Another process may have ended meanwhile.
+            cached = find();
+        }
         let proposal = match cached {
             Some(proposal) => {
                 self.report(clock.stop("landmarks", name, proposal.figures.clone()).reused());
@@ -102,6 +156,7 @@ impl<'a> Stages<'a> {
                 proposal
             }
         };
+        drop(lock);
         self.prepared.markers.get_or_init(|| proposal.markers());
         self.proposal.get_or_init(|| proposal);
         Ok(())
@@ -136,6 +191,12 @@ impl<'a> Stages<'a> {
             return Ok(Some(map));
         }
         let name = correspondence.typetag_name();
+        let key = self.cache.and_then(|(_, cached)| cached.keys.correspondence.as_ref());
+        let _lock = self.lock("correspondence", name, key)?;
+        // Another process may have ended meanwhile.
+        if let Some(map) = self.cached_map() {
+            return Ok(Some(map));
+        }
         let map = self.stage("correspondence", name, info_span!("correspondence", "type" = name), |work| {
             let mut map = correspondence.correspond_watched(self.pair(), work)?;
             map.check(self.pair())?;
@@ -186,14 +247,41 @@ impl<'a> Stages<'a> {
         Ok(self.bound.get_or_init(|| bound).as_ref())
     }
 
+    /// Binds the transfer, unless an earlier run has told what is cached of it.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`bound`](Self::bound), and [`Kind::Busy`] if another process does the same.
+    pub fn bind_once(&self) -> diagnostic::Result<()> {
+        let find = || {
+            let (cache, cached) = self.cache?;
+            cache.get::<TransferSummary>("transfer", cached.keys.transfer.key)
+        };
+        let name = self.transfer.typetag_name();
+        let clock = Clock::start();
+        let mut summary = find();
+        let mut lock = None;
+        if summary.is_none() {
+            lock = self.lock("transfer", name, self.cache.map(|(_, cached)| &cached.keys.transfer))?;
+            summary = find();
+        }
+        match summary {
+            Some(summary) => self.report(clock.stop("transfer", name, summary.figures).reused()),
+            None => _ = self.bound()?,
+        }
+        drop(lock);
+        Ok(())
+    }
+
     /// The cached results of poses, once it is known whether they are frames of one motion.
     pub fn pose_cache(&self) -> Option<PoseCache<'a>> {
         let (cache, cached) = self.cache?;
+        let order = self.order;
         let motion = match self.bound.get() {
             Some(bound) => bound.motion().is_some(),
             None => cached.transfer.as_ref()?.motion,
         };
-        Some(PoseCache { cache, keys: &cached.keys, motion })
+        Some(PoseCache { cache, keys: &cached.keys, motion, order })
     }
 
     /// The cached results that may be used one by one: frames of one motion only where all are there.
@@ -204,6 +292,12 @@ impl<'a> Stages<'a> {
     /// Whether the results of all poses are cached.
     pub fn is_complete(&self) -> bool {
         self.cache.is_some_and(|(_, cached)| cached.complete)
+    }
+
+    /// Seconds that binding the transfer took, if it was bound.
+    pub fn seconds_of_binding(&self) -> Option<f64> {
+        let reports = self.reports.lock().unwrap_or_else(PoisonError::into_inner);
+        reports.iter().find(|report| report.stage == "transfer" && !report.reused).map(|report| report.seconds)
     }
 
     /// Adds the report of a stage.

@@ -40,13 +40,15 @@ impl Stream {
     /// If a result cannot be written, or the transfer cannot be bound; poses that fail on their own are in the result.
     pub fn run(runner: &PoseRunner<'_>, progress: &dyn Progress) -> diagnostic::Result<Self> {
         let mut stream = Self::default();
-        let mut sequences = PosesFile::all(runner.prepared, runner.transaction)?;
-        let poses = &runner.prepared.poses;
+        let of_all = if runner.is_part { vec![] } else { PosesFile::all(runner.prepared, runner.transaction)? };
+        let mut sequences = of_all;
+        let (poses, order) = (&runner.prepared.poses, runner.order());
         let (at_once, in_order) = batches(runner.stages)?;
-        let schedule = Schedule { count: poses.len(), batch: at_once, in_order };
+        let schedule = Schedule { count: order.len(), batch: at_once, in_order };
         check_memory(runner, schedule)?;
         let steps = PoseSteps { runner, motion: Mutex::new(None), span: Span::current() };
-        schedule.run(&steps, |i, posed, output| {
+        schedule.run(&steps, |place, posed, output| {
+            let i = order.poses()[place];
             let pose = &poses[i];
             let _collecting = debug_span!(parent: &steps.span, "collect").entered();
             progress.pose_done();
@@ -57,7 +59,12 @@ impl Stream {
                     }
                     stream.add(pose, output);
                 }
-                (Err(diagnostic), _) => stream.fail(pose, diagnostic.clone())?,
+                (Err(diagnostic), _) => {
+                    if let Some(cache) = runner.stages.pose_cache().filter(|_| !runner.stages.is_merge) {
+                        cache.put_failure(i, diagnostic);
+                    }
+                    stream.fail(pose, diagnostic.clone())?;
+                }
                 (_, Err(diagnostic)) => stream.fail(pose, diagnostic)?,
             }
             Ok(())

@@ -86,11 +86,13 @@ impl<'a> ShapeEditor<'a> {
         Ok(())
     }
 
-    /// How far from symmetric the target is, if shapes were mirrored: as a sentence where that matters.
-    pub fn warning(&self) -> Option<String> {
+    /// How far from symmetric the target is, if any of `poses` is mirrored: as a sentence where that matters.
+    pub fn warning(&self, poses: &[usize]) -> Option<String> {
         /// Faces of people are below 0.003.
         const LOPSIDED: f64 = 0.01;
-        let asymmetry = self.sides.get().map(|sides| sides.asymmetry).filter(|asymmetry| *asymmetry > LOPSIDED)?;
+        // Cached shapes were mirrored by an earlier run.
+        let axis = poses.iter().find_map(|&i| self.prepared.shape_edits[i].mirrored)?;
+        let asymmetry = self.sides(axis).ok().map(|sides| sides.asymmetry).filter(|asymmetry| *asymmetry > LOPSIDED)?;
         Some(format!(
             "shapes.mirror: the sides of the target differ by {:.1} % of its diagonal in the mean, so that mirrored shapes may not fit: \
              look at them, or choose another axis",

@@ -141,6 +141,10 @@ impl Transfer for MultiComponent {
         self.initial.as_ref().map_or(0, |initial| initial.markers_needed())
     }
 
+    fn gives_motion(&self) -> bool {
+        self.sequence || !self.foot_contacts.is_empty()
+    }
+
     fn poses_wanted(&self) -> usize {
         self.initial.as_ref().map_or(0, |initial| initial.poses_wanted())
     }
