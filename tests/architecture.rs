@@ -24,7 +24,7 @@ const ARROWS: [(&str, &[&str]); 10] = [
 const COMMAND_LINE: [&str; 6] = ["open", "clap", "clap_complete", "ctrlc", "indicatif", "terminal_size"];
 
 /// Subcommands of the program; `mimesh cache` is also how a cached result begins.
-const SUBCOMMANDS: [&str; 16] = [
+const SUBCOMMANDS: [&str; 17] = [
     "check",
     "compare",
     "inspect",
@@ -40,6 +40,7 @@ const SUBCOMMANDS: [&str; 16] = [
     "schema",
     "score",
     "show",
+    "submit",
     "studio",
 ];
 

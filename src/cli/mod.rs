@@ -1,5 +1,6 @@
 //! The command line: one file for each subcommand. Results go to stdout, everything else to stderr.
 
+mod absolute_path;
 mod cache;
 mod check;
 mod choice;
@@ -17,6 +18,7 @@ mod memory;
 mod merge;
 mod mesh_pair;
 mod new;
+mod openjd_progress;
 mod out_file;
 mod plan;
 mod posed_meshes;
@@ -37,6 +39,7 @@ mod signals;
 mod status;
 #[cfg(feature = "studio")]
 mod studio;
+mod submit;
 mod summary;
 mod terminal;
 mod transfer;
@@ -88,6 +91,7 @@ enum Command {
     Plan(plan::PlanCommand),
     Prepare(prepare::Prepare),
     Merge(merge::MergeCommand),
+    Submit(submit::Submit),
     #[command(name = "keypoints")]
     KeyPoints(keypoints::KeyPoints),
     Markers(markers::Markers),
@@ -157,6 +161,7 @@ fn run_command(host: &Host) -> Status {
         Command::Plan(command) => command.run(),
         Command::Prepare(command) => command.run(),
         Command::Merge(command) => command.run(),
+        Command::Submit(command) => command.run(),
         Command::KeyPoints(command) => command.run(),
         Command::Markers(command) => command.run(),
         Command::List(command) => command.run(),

@@ -19,11 +19,12 @@ use {
 };
 
 use crate::cli::{
+    absolute_path::absolute,
     cache::CacheOptions,
     flags::with_flags,
     help_commands,
     profile::Profiler,
-    progress::TerminalProgress,
+    progress::{ProgressOptions, TerminalProgress},
     results_file::ResultsFile,
     roots::Roots,
     saved_pipeline::SavedPipeline,
@@ -82,11 +83,13 @@ pub struct Execution {
     #[arg(long, value_name = "N", value_parser = threads)]
     threads: Option<u16>,
     /// Print the report as JSON instead of the summary: run.json, or the table of several runs with their reports
-    #[arg(long)]
+    #[arg(long, conflicts_with = "progress")]
     json: bool,
     /// Print errors only
     #[arg(long, short)]
     quiet: bool,
+    #[command(flatten)]
+    progress: ProgressOptions,
     /// Also show where the time went, and write a trace to open at ui.perfetto.dev [default: profile.json, beside the report]
     #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true)]
     profile: Option<Option<PathBuf>>,
@@ -114,6 +117,22 @@ impl Overrides {
         self.out.iter().for_each(|out| add("--out", out.display().to_string()));
         self.roots.folders().iter().for_each(|folder| add("--root", folder.display().to_string()));
         arguments
+    }
+
+    /// The options for a command that may run in another folder.
+    ///
+    /// # Errors
+    ///
+    /// A diagnostic for a path that is no Unicode.
+    pub fn absolute_arguments(&self) -> Result<Vec<String>> {
+        let folders = self.out.iter().map(|out| ("--out", out));
+        let roots = self.roots.folders();
+        let folders = folders.chain(roots.iter().map(|folder| ("--root", folder)));
+        let mut arguments: Vec<String> = self.settings.iter().flat_map(|set| ["--set".into(), set.clone()]).collect();
+        for (option, folder) in folders {
+            arguments.extend([option.to_owned(), absolute(folder)?]);
+        }
+        Ok(arguments)
     }
 
     /// The same as options of the pipeline crate.
@@ -216,7 +235,7 @@ impl Execution {
         let mut results = Results { pipeline: file.into(), rows: vec![] };
         for (i, prepared) in all.iter().enumerate() {
             let started = Instant::now();
-            let progress = TerminalProgress::new(self.quiet);
+            let progress = self.progress.begin(self.quiet);
             if all.len() > 1 {
                 progress.stage(&format!("{} ({} of {})", prepared.variant.name, i + 1, all.len()));
             }
