@@ -27,7 +27,8 @@ struct State {
 impl OpenJdProgress {
     /// A stage begins.
     pub fn stage(&self, name: &str) {
-        *self.state() = State::default();
+        // What comes after the poses does not undo them.
+        self.state().last_line = None;
         status(name);
     }
 

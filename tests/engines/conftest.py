@@ -10,12 +10,14 @@ import pytest
 
 MIMESH = str(Path(os.environ.get("MIMESH", "target/release/mimesh")).resolve())
 FRAMES = 12
-CHUNK = 5
+CHUNK = 4
 # Each name would do something if a script took it for more than a name.
-TARGETS = ["camel", "$(touch stolen)", "a 'b' \"c\"", "`touch stolen`; x & y", "-n"]
+TARGETS = ["camel", "$(touch stolen)", "it's; touch stolen; 'x", "`touch stolen` & y", "-n"]
+# An option of every command, with what names of targets may not have.
+SET = ["--set", "metrics=[\n  {type: area_change} # \"it's\" $(touch stolen)\n]"]
 
 PIPELINE = """
-source: { generator: { type: quadruped, proportions: horse, gait: gallop, resolution: 12, frames: %d } }
+source: { generator: { type: quadruped, proportions: horse, gait: gallop, resolution: 20, frames: %d } }
 targets:
 %s
 correspondence: { type: nonrigid_fit }
@@ -56,10 +58,10 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> tuple[Project, dict[str, 
     """The project, and the results of a run that is not split."""
     project = Project(tmp_path_factory.mktemp("farm $(touch stolen)"))
     quoted = ("  '" + name.replace("'", "''") + "'" for name in TARGETS)
-    generator = "generator: { type: quadruped, proportions: camel, resolution: 12, seed: %d }"
+    generator = "generator: { type: quadruped, proportions: camel, resolution: 20, seed: %d }"
     targets = "\n".join(f"{name}: {{ {generator % seed} }}" for seed, name in enumerate(quoted))
     (project.folder / "herd.yaml").write_text(PIPELINE % (FRAMES, targets))
-    project.mimesh("run", "herd.yaml", "--no-cache", "--quiet")
+    project.mimesh("run", "herd.yaml", "--no-cache", "--quiet", *SET)
     expected = project.take()
     assert len(expected) == len(TARGETS) * (FRAMES + 2)
     return project, expected

@@ -8,7 +8,7 @@ import time
 import tomllib
 from pathlib import Path
 
-from conftest import CHUNK, Project
+from conftest import CHUNK, SET, Project
 
 # A cluster of two workers that runs a job file to its end; the folder of the server and the file are arguments.
 CLUSTER = """
@@ -29,7 +29,7 @@ with LocalCluster(sys.argv[1], WorkerConfig(cores=1)) as cluster:
 
 
 def submitted(project: Project) -> Path:
-    project.mimesh("submit", "--to", "hq", "herd.yaml", "--chunk", str(CHUNK), "--threads", "1")
+    project.mimesh("submit", "--to", "hq", "herd.yaml", "--chunk", str(CHUNK), "--threads", "1", *SET)
     return project.folder / "herd-job/job.toml"
 
 

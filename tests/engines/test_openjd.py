@@ -6,7 +6,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from conftest import CHUNK, FRAMES, MIMESH, TARGETS, Project
+from conftest import CHUNK, FRAMES, MIMESH, SET, TARGETS, Project
 
 OPENJD = str(Path(sys.executable).with_name("openjd"))
 
@@ -17,15 +17,16 @@ def openjd(project: Project, *words: str, succeeds: bool = True) -> str:
     return done.stdout + done.stderr
 
 
-def submitted(project: Project) -> str:
-    project.mimesh("submit", "--to", "openjd", "herd.yaml", "--chunk", str(CHUNK), "--threads", "1")
-    return "herd-job/template.json"
+def submitted(project: Project) -> list[str]:
+    """Submits the job; the arguments of `openjd run`."""
+    project.mimesh("submit", "--to", "openjd", "herd.yaml", "--chunk", str(CHUNK), "--threads", "1", *SET)
+    return ["herd-job/template.json", "-p", f"file://{project.folder}/herd-job/parameters.json"]
 
 
 def test_the_job_gives_the_bytes_of_a_whole_run(project: Project, expected: dict[str, bytes]) -> None:
-    template = submitted(project)
-    openjd(project, "check", template)
-    said = openjd(project, "run", template)
+    job = submitted(project)
+    openjd(project, "check", job[0])
+    said = openjd(project, "run", *job)
     assert project.results() == expected
     assert re.search(r"Progress: 100|openjd_progress: 100", said), said[-3000:]
     assert "status" in said.lower()
@@ -33,17 +34,17 @@ def test_the_job_gives_the_bytes_of_a_whole_run(project: Project, expected: dict
 
 
 def test_a_part_that_failed_is_run_again_alone(project: Project, expected: dict[str, bytes], tmp_path: Path) -> None:
-    template = submitted(project)
-    # The part with frame 5 fails once.
+    job = submitted(project)
+    # The part with frame 4 fails once.
     broken = tmp_path / "mimesh"
-    broken.write_text(f'#!/bin/sh\ncase "$*" in *"--frames 5-9"*) exit 1 ;; esac\nexec "{MIMESH}" "$@"\n')
+    broken.write_text(f'#!/bin/sh\ncase "$*" in *"--frames 4-7"*) exit 1 ;; esac\nexec "{MIMESH}" "$@"\n')
     broken.chmod(0o755)
-    openjd(project, "run", template, "--step", "Prepare")
-    failed = openjd(project, "run", template, "--step", "Transfer", "-p", f"Mimesh={broken}", succeeds=False)
-    assert "5-9" in failed
-    project.mimesh("merge", "herd.yaml", "--cache", "herd-job/cache", status=75)
+    openjd(project, "run", *job, "--step", "Prepare")
+    failed = openjd(project, "run", *job, "--step", "Transfer", "-p", f"Mimesh={broken}", succeeds=False)
+    assert "4-7" in failed
+    project.mimesh("merge", "herd.yaml", "--cache", "herd-job/cache", *SET, status=75)
     chunks = [f"{first}-{min(first + CHUNK, FRAMES) - 1}" for first in range(0, FRAMES, CHUNK)]
     again = json.dumps([{"Run": name, "Frame": chunk} for name in TARGETS for chunk in chunks])
-    openjd(project, "run", template, "--step", "Transfer", "--tasks", again)
-    openjd(project, "run", template, "--step", "Merge")
+    openjd(project, "run", *job, "--step", "Transfer", "--tasks", again)
+    openjd(project, "run", *job, "--step", "Merge")
     assert project.results() == expected

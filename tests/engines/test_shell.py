@@ -2,13 +2,13 @@
 
 import subprocess
 
-from conftest import CHUNK, FRAMES, TARGETS, Project
+from conftest import CHUNK, FRAMES, SET, TARGETS, Project
 
 TASKS = len(TARGETS) * -(-FRAMES // CHUNK)
 
 
 def submitted(project: Project) -> list[str]:
-    project.mimesh("submit", "--to", "shell", "herd.yaml", "--chunk", str(CHUNK), "--threads", "1")
+    project.mimesh("submit", "--to", "shell", "herd.yaml", "--chunk", str(CHUNK), "--threads", "1", *SET)
     return ["bash", "herd-job/job.sh"]
 
 
@@ -26,8 +26,8 @@ def test_merge_says_what_is_missing(project: Project, expected: dict[str, bytes]
     subprocess.run([*script, "prepare", "0"], cwd=project.folder, check=True)
     for task in (2, 0):
         subprocess.run([*script, "transfer", str(task)], cwd=project.folder, check=True)
-    merge = project.mimesh("merge", "herd.yaml", "--run=camel", "--cache", "herd-job/cache", status=75)
-    assert "5-9" in merge.stderr
+    merge = project.mimesh("merge", "herd.yaml", "--run=camel", "--cache", "herd-job/cache", *SET, status=75)
+    assert "4-7" in merge.stderr
     subprocess.run([*script, "transfer", "1"], cwd=project.folder, check=True)
     subprocess.run([*script, "merge", "0"], cwd=project.folder, check=True)
     of_camel = {name: data for name, data in expected.items() if name.startswith("out/camel/")}

@@ -4,7 +4,7 @@ import os
 import subprocess
 from pathlib import Path
 
-from conftest import CHUNK, Project
+from conftest import CHUNK, SET, Project
 
 # Runs the elements of an array in another order, two at a time, from a copy of the script as Slurm does, and gives a number of a job.
 SBATCH = r"""#!/usr/bin/env bash
@@ -21,7 +21,7 @@ echo "$(wc -l < "$SBATCH_LOG");cluster"
 
 
 def test_arrays_give_the_bytes_of_a_whole_run(project: Project, expected: dict[str, bytes], tmp_path: Path) -> None:
-    project.mimesh("submit", "--to", "slurm", "herd.yaml", "--chunk", str(CHUNK), "--threads", "1")
+    project.mimesh("submit", "--to", "slurm", "herd.yaml", "--chunk", str(CHUNK), "--threads", "1", *SET)
     job = project.folder / "herd-job"
     for script in sorted(job.glob("*.s*")):
         subprocess.run(["shellcheck", "--severity=style", "--shell=bash", script], check=True)

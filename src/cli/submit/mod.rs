@@ -50,9 +50,9 @@ enum Engine {
     Shell,
 }
 
-/// Writes the files of a job that runs a pipeline on many machines, for an engine that is there already; contacts none.
+/// Writes the files of a job that runs a pipeline on many machines, for an engine that you have.
 ///
-/// The job has three steps: stages that run once, the poses in tasks of some frames each, and the results. Tasks meet in the cache, a
+/// No engine is contacted. The job has three steps: stages that run once, the poses in tasks of some frames each, and the results. Tasks meet in the cache, a
 /// folder that all machines see. Results have the bytes of `mimesh run`. A task may be run again at any time, which computes nothing twice.
 #[derive(Debug, clap::Args)]
 #[command(

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use mimesh_document::{Diagnostic, Kind, diagnostic::Result};
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 
 use super::{
     files::JobFile,
@@ -13,6 +13,12 @@ use crate::cli::help_commands::in_quotes;
 
 /// The name of the template, as bundles of jobs have it.
 const TEMPLATE: &str = "template.json";
+
+/// Values of its parameters, for the command `openjd`.
+const PARAMETERS: &str = "parameters.json";
+
+/// The same, as bundles of jobs have them.
+const BUNDLE_PARAMETERS: &str = "parameter_values.json";
 
 /// The most values of a parameter that the specification allows.
 const MAX_VALUES: usize = 1024;
@@ -54,11 +60,11 @@ pub fn files(job: &Job) -> Result<Vec<JobFile>> {
         "parameterDefinitions": [
             { "name": "Mimesh", "type": "STRING", "default": job.program, "description": "The program mimesh." },
             {
-                "name": "Pipeline", "type": "PATH", "objectType": "FILE", "dataFlow": "IN", "default": job.pipeline,
+                "name": "Pipeline", "type": "PATH", "objectType": "FILE", "dataFlow": "IN",
                 "description": "The pipeline's YAML file.",
             },
             {
-                "name": "Cache", "type": "PATH", "objectType": "DIRECTORY", "dataFlow": "INOUT", "default": job.cache,
+                "name": "Cache", "type": "PATH", "objectType": "DIRECTORY", "dataFlow": "INOUT",
                 "description": "The folder of results that all tasks share.",
             },
             {
@@ -68,13 +74,23 @@ pub fn files(job: &Job) -> Result<Vec<JobFile>> {
         ],
         "steps": steps,
     });
-    Ok(vec![JobFile::data(TEMPLATE, format!("{template:#}\n"))])
+    // Paths have no defaults, which would have to lie in the folder of the template.
+    let paths = [("Pipeline", &job.pipeline), ("Cache", &job.cache)];
+    let values: Map<String, Value> = paths.iter().map(|(name, path)| ((*name).into(), json!(path))).collect();
+    let of_bundle: Vec<Value> = paths.iter().map(|(name, path)| json!({ "name": name, "value": path })).collect();
+    let file = |name, value: Value| JobFile::data(name, format!("{value:#}\n"));
+    Ok(vec![
+        file(TEMPLATE, template),
+        file(PARAMETERS, Value::Object(values)),
+        file(BUNDLE_PARAMETERS, json!({ "parameterValues": of_bundle })),
+    ])
 }
 
 /// How to go on.
 pub fn next(folder: &str) -> String {
-    let folder = in_quotes(&format!("{folder}/{TEMPLATE}"));
-    format!("look at it: openjd check {folder}\nrun it here: openjd run {folder}\n")
+    let template = in_quotes(&format!("{folder}/{TEMPLATE}"));
+    let parameters = in_quotes(&format!("file://{folder}/{PARAMETERS}"));
+    format!("look at it: openjd check {template}\nrun it here: openjd run {template} -p {parameters}\n")
 }
 
 /// Runs whose poses are split alike, since the tasks of a step are all combinations of runs and parts; runs without poses have none.

@@ -41,11 +41,12 @@ pub fn script(job: &Job) -> String {
 #   job.sh all [PROCESSES]      everything, so many tasks at a time; done tasks are not computed again
 #   job.sh count                the number of runs and of tasks
 #
-# MIMESH and MIMESH_CACHE replace the program and the folder of the cache.
+# MIMESH_JOB_PROGRAM and MIMESH_JOB_CACHE replace the program and the folder of the cache.
+# shellcheck disable=SC2016 # names stand for themselves, whatever is in them
 set -euo pipefail
 
-mimesh=${{MIMESH:-{program}}}
-cache=${{MIMESH_CACHE:-{cache}}}
+mimesh=${{MIMESH_JOB_PROGRAM:-{program}}}
+cache=${{MIMESH_JOB_CACHE:-{cache}}}
 pipeline={pipeline}
 runs=(
 {names})
@@ -65,7 +66,8 @@ attempt() {{
     for wait in 1 2 5 10 20 40 80 160 0; do
         status=0
         "$mimesh" "$@" --cache "$cache" --quiet "${{options[@]}}" || status=$?
-        [ "$status" = 75 ] && [ "$wait" != 0 ] || return "$status"
+        # Poses that merge misses do not come by waiting.
+        if [ "$status" != 75 ] || [ "$wait" = 0 ] || [ "$1" = merge ]; then return "$status"; fi
         sleep "$wait"
     done
 }}

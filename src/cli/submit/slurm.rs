@@ -44,6 +44,7 @@ fn array(job: &Job, action: &str, count: usize) -> String {
 #SBATCH --output=/dev/null
 #SBATCH --requeue
 # Element I has the tasks from {each} * I on, {each} of them. Add what your cluster asks for, such as --partition and --time, to submit.sh.
+# shellcheck disable=SC2016 # names stand for themselves, whatever is in them
 set -uo pipefail
 cd {folder} || exit
 mkdir -p logs
@@ -63,6 +64,7 @@ fn submit(job: &Job) -> String {
     format!(
         r#"#!/usr/bin/env bash
 # Submits the arrays; options of sbatch may follow, such as --partition=short --cpus-per-task=4 --mem=8G --time=1:00:00.
+# shellcheck disable=SC2016 # names stand for themselves, whatever is in them
 set -euo pipefail
 cd {folder}
 prepare=$(sbatch --parsable "$@" prepare.slurm)
