@@ -17,6 +17,7 @@ mod merge;
 mod mesh_pair;
 mod new;
 mod out_file;
+mod overrides;
 mod plan;
 mod posed_meshes;
 mod prepare;

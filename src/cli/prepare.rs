@@ -13,14 +13,8 @@ use {
 };
 
 use crate::cli::{
-    CommandResult,
-    cache::CacheOptions,
-    help_commands,
-    progress::TerminalProgress,
-    run::{Overrides, threads},
-    shard_options::RunNames,
-    status::Status,
-    terminal,
+    CommandResult, cache::CacheOptions, help_commands, overrides::Overrides, progress::TerminalProgress, run::threads,
+    shard_options::RunNames, status::Status, terminal,
 };
 
 /// Computes the stages that run once, so that parts of a run find them in the cache.

@@ -22,10 +22,10 @@ use crate::cli::{
     cache::CacheOptions,
     flags::with_flags,
     help_commands,
+    overrides::Overrides,
     profile::Profiler,
     progress::TerminalProgress,
     results_file::ResultsFile,
-    roots::Roots,
     saved_pipeline::SavedPipeline,
     shard_options::{self, RunNames, ShardOptions},
     status::Status,
@@ -92,42 +92,6 @@ pub struct Execution {
     profile: Option<Option<PathBuf>>,
 }
 
-/// The options that change a pipeline without its file.
-#[derive(Debug, clap::Args)]
-pub struct Overrides {
-    /// Replace a value of the file, e.g. transfer.type=gradient; the value is YAML, its paths are relative to the file
-    #[arg(long = "set", value_name = "KEY=VALUE")]
-    settings: Vec<String>,
-    /// Write all results into this folder instead; each of several runs gets a folder of its name in it
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
-    #[command(flatten)]
-    roots: Roots,
-}
-
-impl Overrides {
-    /// The options as they were given, for another command.
-    pub fn arguments(&self) -> Vec<String> {
-        let mut arguments = Vec::new();
-        let mut add = |option: &str, value: String| arguments.extend([option.to_owned(), value]);
-        self.settings.iter().for_each(|setting| add("--set", setting.clone()));
-        self.out.iter().for_each(|out| add("--out", out.display().to_string()));
-        self.roots.folders().iter().for_each(|folder| add("--root", folder.display().to_string()));
-        arguments
-    }
-
-    /// The same as options of the pipeline crate.
-    pub fn options(&self) -> Options {
-        Options {
-            settings: self.settings.clone(),
-            out: self.out.clone(),
-            roots: self.roots.folders(),
-            view_script: super::view_script(),
-            ..Options::default()
-        }
-    }
-}
-
 impl Run {
     /// Runs the command.
     pub fn run(&self) -> super::CommandResult {
@@ -155,10 +119,25 @@ impl Run {
             table.write(&results.0)?;
         }
         let status = self.execution.finish(&results);
-        if parts.is_some() {
-            self.execution.tell_merge(&self.pipeline, &all);
+        if parts.is_some() && !self.execution.json && !self.execution.quiet {
+            terminal::print_beside(&format!("{}\n", self.what_is_left(&all)));
         }
         Ok(status)
+    }
+
+    /// What a part of `runs` leaves to a merge, with the command.
+    fn what_is_left(&self, runs: &[Prepared]) -> String {
+        let of_all: Vec<_> = runs.iter().flat_map(|run| run.outputs.files_of_all()).collect();
+        let reports = runs.iter().map(|run| run.outputs.report.as_path());
+        let left: Vec<_> = of_all.into_iter().chain(reports).collect();
+        let first = left.first().map_or_else(String::new, |file| file.display().to_string());
+        let more = if left.len() > 1 { format!(" and {} more", left.len() - 1) } else { String::new() };
+        let mut command = format!("mimesh merge {}", help_commands::argument(&self.pipeline));
+        let given = self.runs.arguments().into_iter().chain(self.part.warm_arguments());
+        for argument in given.chain(self.overrides.arguments()).chain(self.execution.cache.arguments()) {
+            command += &format!(" {}", help_commands::quoted(&argument));
+        }
+        format!("`{command}` writes {first}{more} when all poses are computed")
     }
 }
 
@@ -170,18 +149,6 @@ impl Execution {
     /// Those of [`Profiler::begin`].
     pub fn profiler(&self) -> Result<Option<Profiler>> {
         self.profile.as_ref().map(|file| Profiler::begin(file.as_deref())).transpose()
-    }
-
-    /// Names the files that a part of a run has left to a merge, unless `--json` or `--quiet` is given.
-    fn tell_merge(&self, file: &Path, runs: &[Prepared]) {
-        let left: Vec<_> = runs.iter().flat_map(|run| run.outputs.files_of_all()).collect();
-        if self.json || self.quiet {
-            return;
-        }
-        let Some(first) = left.first() else { return };
-        let more = if left.len() > 1 { format!(" and {} more", left.len() - 1) } else { String::new() };
-        let command = format!("mimesh merge {}", help_commands::argument(file));
-        terminal::print_beside(&format!("`{command}` writes {}{more} when all poses are computed\n", first.display()));
     }
 
     /// Runs all that is prepared from `file` as `plan` says, and shows what happens; with the results the table of the profile, if there is one.
