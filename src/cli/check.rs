@@ -14,7 +14,9 @@ use {
     },
 };
 
-use crate::cli::{CommandResult, cache::CacheOptions, flags::with_flags, run::Overrides, status::Status, terminal};
+use crate::cli::{
+    CommandResult, cache::CacheOptions, flags::with_flags, overrides::Overrides, status::Status, terminal,
+};
 
 /// Finds all mistakes in a pipeline and in the runs that it declares, without running them.
 ///

@@ -12,9 +12,7 @@ use {
 };
 
 use crate::cli::{
-    CommandResult, help_commands,
-    results_file::ResultsFile,
-    run::{Execution, Overrides},
+    CommandResult, help_commands, overrides::Overrides, results_file::ResultsFile, run::Execution,
     shard_options::RunNames,
 };
 

@@ -20,6 +20,7 @@ mod mesh_pair;
 mod new;
 mod openjd_progress;
 mod out_file;
+mod overrides;
 mod plan;
 mod posed_meshes;
 mod prepare;

@@ -17,7 +17,7 @@ use {
 };
 
 use crate::cli::{
-    CommandResult, cache::CacheOptions, check::warnings, run::Overrides, shard_options::RunNames, status::Status,
+    CommandResult, cache::CacheOptions, check::warnings, overrides::Overrides, shard_options::RunNames, status::Status,
     terminal,
 };
 

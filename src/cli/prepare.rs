@@ -13,6 +13,7 @@ use {
 };
 
 use crate::cli::{
+<<<<<<< HEAD
     CommandResult,
     cache::CacheOptions,
     help_commands,
@@ -21,6 +22,10 @@ use crate::cli::{
     shard_options::RunNames,
     status::Status,
     terminal,
+=======
+    CommandResult, cache::CacheOptions, help_commands, overrides::Overrides, progress::TerminalProgress, run::threads,
+    shard_options::RunNames, status::Status, terminal,
+>>>>>>> shards
 };
 
 /// Computes the stages that run once, so that parts of a run find them in the cache.

@@ -23,10 +23,10 @@ use crate::cli::{
     cache::CacheOptions,
     flags::with_flags,
     help_commands,
+    overrides::Overrides,
     profile::Profiler,
     progress::{ProgressOptions, TerminalProgress},
     results_file::ResultsFile,
-    roots::Roots,
     saved_pipeline::SavedPipeline,
     shard_options::{self, RunNames, ShardOptions},
     status::Status,
@@ -95,6 +95,7 @@ pub struct Execution {
     profile: Option<Option<PathBuf>>,
 }
 
+<<<<<<< HEAD
 /// The options that change a pipeline without its file.
 #[derive(Debug, clap::Args)]
 pub struct Overrides {
@@ -147,6 +148,8 @@ impl Overrides {
     }
 }
 
+=======
+>>>>>>> shards
 impl Run {
     /// Runs the command.
     pub fn run(&self) -> super::CommandResult {
@@ -174,10 +177,25 @@ impl Run {
             table.write(&results.0)?;
         }
         let status = self.execution.finish(&results);
-        if parts.is_some() {
-            self.execution.tell_merge(&self.pipeline, &all);
+        if parts.is_some() && !self.execution.json && !self.execution.quiet {
+            terminal::print_beside(&format!("{}\n", self.what_is_left(&all)));
         }
         Ok(status)
+    }
+
+    /// What a part of `runs` leaves to a merge, with the command.
+    fn what_is_left(&self, runs: &[Prepared]) -> String {
+        let of_all: Vec<_> = runs.iter().flat_map(|run| run.outputs.files_of_all()).collect();
+        let reports = runs.iter().map(|run| run.outputs.report.as_path());
+        let left: Vec<_> = of_all.into_iter().chain(reports).collect();
+        let first = left.first().map_or_else(String::new, |file| file.display().to_string());
+        let more = if left.len() > 1 { format!(" and {} more", left.len() - 1) } else { String::new() };
+        let mut command = format!("mimesh merge {}", help_commands::argument(&self.pipeline));
+        let given = self.runs.arguments().into_iter().chain(self.part.warm_arguments());
+        for argument in given.chain(self.overrides.arguments()).chain(self.execution.cache.arguments()) {
+            command += &format!(" {}", help_commands::quoted(&argument));
+        }
+        format!("`{command}` writes {first}{more} when all poses are computed")
     }
 }
 
@@ -189,18 +207,6 @@ impl Execution {
     /// Those of [`Profiler::begin`].
     pub fn profiler(&self) -> Result<Option<Profiler>> {
         self.profile.as_ref().map(|file| Profiler::begin(file.as_deref())).transpose()
-    }
-
-    /// Names the files that a part of a run has left to a merge, unless `--json` or `--quiet` is given.
-    fn tell_merge(&self, file: &Path, runs: &[Prepared]) {
-        let left: Vec<_> = runs.iter().flat_map(|run| run.outputs.files_of_all()).collect();
-        if self.json || self.quiet {
-            return;
-        }
-        let Some(first) = left.first() else { return };
-        let more = if left.len() > 1 { format!(" and {} more", left.len() - 1) } else { String::new() };
-        let command = format!("mimesh merge {}", help_commands::argument(file));
-        terminal::print_beside(&format!("`{command}` writes {}{more} when all poses are computed\n", first.display()));
     }
 
     /// Runs all that is prepared from `file` as `plan` says, and shows what happens; with the results the table of the profile, if there is one.

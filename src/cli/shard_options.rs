@@ -32,7 +32,19 @@ pub struct RunNames {
     pub names: Vec<String>,
 }
 
+impl RunNames {
+    /// The options as they were given, for another command.
+    pub fn arguments(&self) -> Vec<String> {
+        self.names.iter().flat_map(|name| ["--run".to_owned(), name.clone()]).collect()
+    }
+}
+
 impl ShardOptions {
+    /// The warm frames as they were given, for another command.
+    pub fn warm_arguments(&self) -> Vec<String> {
+        self.warm.map_or_else(Vec::new, |warm| vec!["--warm".into(), warm.to_string()])
+    }
+
     /// The part of the poses that is asked for; `None` for all of them.
     pub fn selection(&self) -> Option<PoseSelection> {
         let frames = self.frames.clone().map(PoseSelection::Frames);

@@ -41,7 +41,7 @@ fn a_part_writes_the_files_of_its_poses_as_a_whole_run_has_them() {
     let whole = whole(GALLOP);
     let split = project(GALLOP);
     let output = mimesh(&split, "run", &["--frames", "1-3,5,7-11:2"], 0);
-    let told = "`mimesh merge p.yaml` writes out/camel.glb and 2 more when all poses are computed";
+    let told = "`mimesh merge p.yaml` writes out/camel.glb and 3 more when all poses are computed";
     assert!(output.stderr.contains(told), "{}", output.stderr);
     assert!(output.stdout.contains("frames 1-3,5,7,9,11 of 12 poses"), "{}", output.stdout);
     let expected = results(&whole);

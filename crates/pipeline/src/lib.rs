@@ -10,6 +10,7 @@
 
 pub mod axis;
 pub mod cache;
+pub mod cached_run;
 pub mod check;
 pub mod choices;
 pub mod compose;

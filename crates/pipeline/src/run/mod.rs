@@ -2,6 +2,7 @@
 
 mod assemble;
 mod execute;
+mod failures;
 mod files;
 mod measure;
 mod motion;
@@ -10,6 +11,7 @@ mod poses;
 mod prepare_stages;
 mod schedule;
 mod seams;
+mod sharing;
 mod stages;
 mod stream;
 mod written;

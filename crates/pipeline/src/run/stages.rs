@@ -6,15 +6,20 @@ use mimesh_core::{
     Figures, Result,
     stage::{BindInput, BoundTransfer, Proposal, Transfer, TransferPair, TriangleMap, Work},
 };
-use mimesh_document::{Diagnostic, Diagnostics, Kind, diagnostic};
+use mimesh_document::{Diagnostic, diagnostic};
 use mimesh_markers::IntoDiagnostic;
 use tracing::{Span, info_span};
 
+use super::{
+    failures::{doing, with_remedy},
+    sharing::Sharing,
+};
 use crate::{
     cache::{Cache, PoseCache, StageKey, StageLock, TransferSummary},
+    cached_run::CachedRun,
     handedness,
     input::{Prepared, read_evenly_spaced},
-    plan::{CachedRun, Plan},
+    plan::Plan,
     progress::{Progress, Rising},
     propose::propose,
     report::{Clock, StageReport},
@@ -41,17 +46,6 @@ pub(super) struct Stages<'a> {
     map: OnceLock<TriangleMap>,
     bound: OnceLock<Box<dyn BoundTransfer>>,
     reports: Mutex<Vec<StageReport>>,
-}
-
-/// What is done about results that several processes may compute at once.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Sharing {
-    /// Nothing: they are computed.
-    None,
-    /// They are left to a process that has locked them.
-    Respect,
-    /// They are locked while they are computed, and left to a process that has done so before.
-    Lock,
 }
 
 impl<'a> Stages<'a> {
@@ -88,20 +82,12 @@ impl<'a> Stages<'a> {
     ///
     /// # Errors
     ///
-    /// [`Kind::Busy`] if another process computes this result and it is not computed twice.
+    /// Those of [`Sharing::lock`].
     fn lock(&self, stage: &'static str, name: &str, key: Option<&StageKey>) -> diagnostic::Result<Option<StageLock>> {
-        let Some(((cache, _), key)) = self.cache.zip(key) else { return Ok(None) };
-        let held = match self.sharing {
-            Sharing::None => return Ok(None),
-            Sharing::Respect => StageLock::holder(&cache.store, stage, key.key).map_or(Ok(None), Err),
-            Sharing::Lock => StageLock::take(&cache.store, stage, key.key).map(Some),
-        };
-        held.map_err(|holder| {
-            let message = format!("{stage} ({name}): {holder} computes it now");
-            Diagnostic::new(Kind::Busy, message)
-                .hint("run this again when it is done; its result is then cached")
-                .into()
-        })
+        match self.cache.zip(key) {
+            Some(((cache, _), key)) => Ok(self.sharing.lock(&cache.store, stage, name, key.key)?),
+            None => Ok(None),
+        }
     }
 
     /// The surfaces, markers and the proximity graph.
@@ -251,7 +237,7 @@ impl<'a> Stages<'a> {
     ///
     /// # Errors
     ///
-    /// Those of [`bound`](Self::bound), and [`Kind::Busy`] if another process does the same.
+    /// Those of [`bound`](Self::bound), and those of [`Sharing::lock`].
     pub fn bind_once(&self) -> diagnostic::Result<()> {
         let find = || {
             let (cache, cached) = self.cache?;
@@ -335,23 +321,4 @@ impl<'a> Stages<'a> {
             }
         }
     }
-}
-
-/// The failure with the stage that it came from.
-fn doing(failure: Diagnostics, stage: String) -> Diagnostics {
-    let strip = |diagnostic: Diagnostic| {
-        // Some errors name the stage themselves.
-        let message = diagnostic.message.trim_start_matches("landmarks: ").to_owned();
-        Diagnostic { message, ..diagnostic }.doing(stage.clone())
-    };
-    Diagnostics { list: failure.list.into_iter().map(strip).collect() }
-}
-
-/// The failure with one more way out of each diagnostic that has none like it.
-fn with_remedy(failure: Diagnostics, action: &'static str, words: &str) -> Diagnostics {
-    let list = failure.list.into_iter().map(|diagnostic| match diagnostic.remedy {
-        Some(_) => diagnostic,
-        None => diagnostic.remedy(action, "", words),
-    });
-    Diagnostics { list: list.collect() }
 }
