@@ -58,7 +58,9 @@ def cotangent_laplacian(surface):
         columns += [b, a, a, b]
         values += [-half, -half, half, half]
     n = len(v)
-    return scipy.sparse.csr_matrix((np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), shape=(n, n))
+    return scipy.sparse.csr_matrix(
+        (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), shape=(n, n)
+    )
 
 
 class Heat(mimesh.Weights, name="test_heat"):
@@ -256,7 +258,9 @@ def test_transfers_take_them_as_objects(horse) -> None:
 
 
 def test_metrics_in_python_stand_in_the_report(horse, tmp_path) -> None:
-    text = YAML.replace("transfer:", "metrics: [{ type: test_growth }]\ntransfer:").replace("test_shepard, power: 3", "harmonic")
+    text = YAML.replace("transfer:", "metrics: [{ type: test_growth }]\ntransfer:").replace(
+        "test_shepard, power: 3", "harmonic"
+    )
     report = mimesh.Pipeline.from_yaml(text).run(out=tmp_path).report
     radii = [pose["metrics"]["test_growth"]["radius"] for pose in report["poses"]]
     assert len(radii) == 3 and all(0 < radius < 5 for radius in radii)
@@ -319,8 +323,10 @@ def test_the_command_loads_them_and_the_cache_knows_their_source(tmp_path) -> No
     assert "unknown weights `flat`" in command("run", pipeline, "--no-cache", cwd=tmp_path).stderr
     first = command(*run, cwd=tmp_path)
     assert first.returncode == 0, first.stderr
-    one = (tmp_path / "out" / "gallop-01.obj") if (tmp_path / "out" / "gallop-01.obj").exists() else next(
-        iter(sorted((tmp_path / "out").glob("*.obj")))
+    one = (
+        (tmp_path / "out" / "gallop-01.obj")
+        if (tmp_path / "out" / "gallop-01.obj").exists()
+        else next(iter(sorted((tmp_path / "out").glob("*.obj"))))
     )
     before = one.read_bytes()
     plan = command("plan", pipeline, "--python", stages, "--cache", tmp_path / "cache", cwd=tmp_path)

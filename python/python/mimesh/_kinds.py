@@ -169,7 +169,9 @@ class Transfer(Stage):
     markers_needed: ClassVar[int] = 0
     """How many markers it needs."""
 
-    def bind(self, source: Any, target: Any, map: Any = None, markers: Any = (), poses: Any = (), proximity: Any = None) -> Any:
+    def bind(
+        self, source: Any, target: Any, map: Any = None, markers: Any = (), poses: Any = (), proximity: Any = None
+    ) -> Any:
         """A `BoundTransfer` of two meshes.
 
         ``poses`` are those of the source that a method may want to see. ``proximity`` is a stage that links the components of the
@@ -275,7 +277,7 @@ def _pairs(source: Any, target: Any, of_source: Surface, of_target: Surface, mar
     for i, (mesh, surface) in enumerate([(source, of_source), (target, of_target)]):
         points = [pair[i] for pair in markers]
         sides.append(surface_parts(surface, points) if isinstance(mesh, Mesh) else parts_of(points))
-    return list(zip(*sides))
+    return list(zip(*sides, strict=True))
 
 
 KINDS: tuple[type[Stage], ...] = (
@@ -293,4 +295,3 @@ KINDS: tuple[type[Stage], ...] = (
     Weights,
 )
 """All kinds."""
-

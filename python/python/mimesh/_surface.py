@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any, Optional, Union
+from typing import Any, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,7 +15,7 @@ from ._mesh import Mesh, Positions, _positions
 Point = Union[int, "tuple[int, tuple[float, float, float]]"]
 """A point of a surface or mesh: a vertex, or a triangle with barycentric coordinates of its corners."""
 
-_Parts = tuple[int, Optional[tuple[float, float, float]]]
+_Parts = tuple[int, tuple[float, float, float] | None]
 
 
 class Surface:

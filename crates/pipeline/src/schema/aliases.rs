@@ -92,7 +92,7 @@ fn wrong_type(schema: &Value, value: &Value) -> Option<String> {
         _ => value.is_null(),
     };
     let words = schema.get("enum").and_then(Value::as_array);
-    if types.iter().any(|name| fits(name)) && words.is_none_or(|words| words.contains(value)) {
+    if types.iter().any(fits) && words.is_none_or(|words| words.contains(value)) {
         return None;
     }
     let expected = match types.first().copied().unwrap_or_default() {
