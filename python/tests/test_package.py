@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import doctest
+import importlib.metadata
 import re
 import shutil
 import subprocess
@@ -61,6 +62,16 @@ def test_the_example_of_the_readme_runs(page, tmp_path, horse, camel) -> None:
         (tmp_path / f"block_{i}.py").write_text(block)
         ran = run(tmp_path / f"block_{i}.py", cwd=tmp_path)
         assert ran.returncode == 0, f"{block}\n{ran.stderr}"
+
+
+def test_the_package_brings_the_command(tmp_path) -> None:
+    try:
+        version = importlib.metadata.version("mimesh")
+    except importlib.metadata.PackageNotFoundError:
+        pytest.skip("the package is not installed, but runs from its sources")
+    script = Path(sys.executable).with_name("mimesh")
+    told = subprocess.run([script, "--version"], capture_output=True, text=True, cwd=tmp_path, timeout=60)
+    assert told.stdout == f"mimesh {version}\n"
 
 
 def test_examples_in_the_documentation_run() -> None:

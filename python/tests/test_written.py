@@ -16,6 +16,7 @@ import scipy.sparse
 import scipy.sparse.linalg
 
 import mimesh
+from conftest import make_grid
 from mimesh.testing import check_contract
 
 
@@ -158,7 +159,29 @@ class Rigid(mimesh.Deformer, name="test_rigid"):
         return np.tile(np.column_stack([turn, moved - turn @ rest]), (weights.shape[1], 1, 1))
 
 
-@pytest.mark.parametrize("stage", [Spread, Shepard, ByNumber, Corners, Growth, Nearest, Rigid])
+class Movers(mimesh.KeyPoints, name="test_movers"):
+    """The vertices that move most."""
+
+    count: int = mimesh.setting(5, "Number of points.", minimum=1)
+
+    def choose(self, surface, poses, start):
+        moved = sum(np.linalg.norm(pose - surface.vertices, axis=1) for pose in poses)
+        taken = [point for point in start if isinstance(point, int)]
+        more = [int(v) for v in np.argsort(-moved, kind="stable") if v not in taken]
+        return (taken + more)[: max(self.count, len(taken))]
+
+
+class Sheet(mimesh.Generator, name="test_sheet"):
+    """A wavy sheet that rises."""
+
+    size: int = mimesh.setting(8, "Vertices along an edge.", minimum=2)
+
+    def generate(self):
+        sheet = make_grid(self.size)
+        return sheet.with_poses({"up": sheet.vertices + [0, 0, 1.0]})
+
+
+@pytest.mark.parametrize("stage", [Spread, Shepard, ByNumber, Corners, Growth, Nearest, Rigid, Movers, Sheet])
 def test_stages_in_python_keep_the_contracts(stage) -> None:
     check_contract(stage)
 
@@ -269,6 +292,20 @@ def test_metrics_in_python_stand_in_the_report(horse, tmp_path) -> None:
     assert report["settings"]["metrics"][0]["type"] == "test_growth" or any(
         metric["type"] == "test_growth" for metric in report["settings"]["metrics"]
     )
+
+
+def test_generators_in_python_are_sources_of_pipelines(tmp_path) -> None:
+    text = """
+source: { generator: { type: test_sheet, size: 9 } }
+target: { generator: { type: test_sheet, size: 9 } }
+output: [ "{pose}.obj" ]
+"""
+    result = mimesh.Pipeline.from_yaml(text).run(out=tmp_path)
+    assert [path.name for path in result.outputs] == ["up.obj"]
+    moved = mimesh.load(tmp_path / "up.obj").vertices
+    np.testing.assert_allclose(moved, make_grid(9).vertices + [0, 0, 1.0], atol=1e-8)
+    chosen = Movers(count=3).choose(make_grid(9), [make_grid(9).vertices * [1, 2, 1]])
+    assert chosen == [72, 73, 74]
 
 
 class Failing(mimesh.Weights, name="test_failing"):

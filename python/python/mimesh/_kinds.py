@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import _mimesh
 from ._mesh import Mesh, Positions, _positions
 from ._stages import Stage
-from ._surface import Link, Point, Surface, TriangleMap, mesh_points, parts_of, point_of, surface_of, surface_parts
+from ._surface import Link, Surface, TriangleMap, mesh_points, parts_of, point_of, surface_of, surface_parts
 
 
 class Sampler(Stage):
@@ -94,13 +94,17 @@ class Deformer(Stage):
 
 
 class KeyPoints(Stage):
-    """Chooses the few points of a source that tell its poses best."""
+    """Chooses the few points of a source that tell its poses best.
+
+    A subclass gives ``choose(surface, poses, start)``: points of the surface, all different. ``start`` are those of an earlier choice
+    that was interrupted.
+    """
 
     kind: ClassVar[str] = "key_points"
-    _methods = ()
+    _methods = ("choose",)
 
-    def choose(self, source: Mesh, poses: Any = None) -> list[Point]:
-        """Points of a mesh by its poses, or by others."""
+    def choose(self, source: Any, poses: Any = None, start: Any = ()) -> Any:
+        """Points of a `Mesh` by its poses, or by others."""
         of = Surface(source)
         seen = [source.pose(i) for i in range(len(source.poses))] if poses is None else poses
         moved = [np.asarray(of.from_mesh(pose)) for pose in seen]
@@ -252,12 +256,15 @@ class Metric(Stage):
 
 
 class Generator(Stage):
-    """Makes a mesh with poses."""
+    """Makes a mesh with poses.
+
+    A subclass gives ``generate()``: a `Mesh`, or whatever else is one. Equal settings give equal meshes.
+    """
 
     kind: ClassVar[str] = "generator"
     _methods = ()
 
-    def generate(self) -> Mesh:
+    def generate(self) -> Any:
         """The mesh with its poses."""
         return Mesh._of(_mimesh.generate(self._json()))
 

@@ -198,6 +198,16 @@ def propose(stage: Any, source: Surface, target: Surface, markers: Any) -> list[
     return found
 
 
+def choose(stage: Any, surface: Surface, poses: list[Any], start: Any) -> list[_Parts]:
+    return parts_of(stage.choose(surface, poses, [point_of(parts) for parts in start]))
+
+
+def generate(stage: Any) -> _mimesh.MeshData:
+    from ._convert import as_mesh
+
+    return as_mesh(stage.generate())._data
+
+
 def bind(stage: Any, source: Surface, target: Surface, map: _mimesh.MapData | None, markers: Any) -> Any:
     made = None if map is None else TriangleMap._of(map)
     return stage.bind(source, target, made, pairs_of(markers))
