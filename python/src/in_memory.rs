@@ -13,7 +13,7 @@ use std::{
 
 use mimesh_core::{
     Error, Result,
-    mesh::{ClipTime, Mesh, MeshSequence},
+    mesh::{ClipTime, ComputePoses, Mesh, MeshSequence, Pose, Positions},
     register,
     stage::{
         FileInput, Format, Generator, MeshWriter, Selection, SequenceFile, SequenceFormat, SequenceWriter, WriteError,
@@ -121,11 +121,29 @@ impl Generator for InMemory {
         let mesh = found.ok_or_else(|| {
             Error::data("a mesh of another call's memory", "give the mesh itself, or save it to a file and name that")
         })?;
-        let mut mesh = MeshSequence::clone(&mesh);
-        if self.at_rest {
-            mesh.poses.clear();
-        }
-        Ok(mesh)
+        let poses = Arc::new(HeldPoses(mesh.clone()));
+        let held = |(i, pose): (usize, &Pose)| Pose {
+            name: pose.name.clone(),
+            time: pose.time.clone(),
+            positions: Positions::Computed(poses.clone(), i),
+        };
+        let poses = if self.at_rest { vec![] } else { mesh.poses.iter().enumerate().map(held).collect() };
+        Ok(MeshSequence {
+            rest: mesh.rest.clone(),
+            poses,
+            landmarks: mesh.landmarks.clone(),
+            animations: mesh.animations.clone(),
+            warnings: mesh.warnings.clone(),
+        })
+    }
+}
+
+/// Poses of a mesh that is in memory once: each is copied when its turn comes.
+struct HeldPoses(Arc<MeshSequence>);
+
+impl ComputePoses for HeldPoses {
+    fn positions(&self, index: usize) -> Result<Vec<Point3<f64>>> {
+        Ok(self.0.poses[index].positions.get()?.into_owned())
     }
 }
 

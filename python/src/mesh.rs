@@ -251,11 +251,14 @@ fn content_of(sequence: &MeshSequence) -> mimesh_core::Result<String> {
     for pose in &sequence.poses {
         text(&format!("{:?} {:?}", pose.name, pose.time));
     }
-    let mut bytes = Vec::with_capacity(rest.positions.len() * 24);
+    let mut bytes = Vec::new();
     let mut points = |points: &[nalgebra::Point3<f64>]| {
-        bytes.clear();
-        bytes.extend(points.iter().flat_map(|p| [p.x, p.y, p.z]).flat_map(f64::to_le_bytes));
-        hasher.update(&bytes);
+        // Pieces that stay in the processor's cache.
+        for piece in points.chunks(4096) {
+            bytes.clear();
+            piece.iter().for_each(|p| p.iter().for_each(|x| bytes.extend_from_slice(&x.to_le_bytes())));
+            hasher.update(&bytes);
+        }
     };
     points(&rest.positions);
     for pose in &sequence.poses {

@@ -42,7 +42,7 @@ pub fn draw<'py>(
         let (triangles, _) = rest.rest.polygons.fans();
         let view = View::fit(shown.iter().flatten().copied(), direction, up);
         let draw = |positions: &Vec<_>| {
-            let mut canvas = Canvas::new(size, size, view.clone());
+            let mut canvas = Canvas::new(size, size, view);
             canvas.mesh(positions, &triangles, &Paint::Plain(colour::STEEL));
             let mut picture = Picture::new(size, size, colour::WHITE);
             canvas.draw_onto(&mut picture, 0, 0);

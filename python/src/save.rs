@@ -17,6 +17,9 @@ use nalgebra::Point3;
 
 use crate::error::Outcome;
 
+/// Gives positions when their turn comes.
+type GivePositions<'a> = dyn Fn() -> mimesh_core::Result<Cow<'a, [Point3<f64>]>> + 'a;
+
 /// A pose that is to be written.
 pub struct SavedPose<'a> {
     /// Its name.
@@ -24,7 +27,7 @@ pub struct SavedPose<'a> {
     /// Its time in a clip.
     pub time: Option<&'a ClipTime>,
     /// Gives its positions.
-    pub positions: Box<dyn Fn() -> mimesh_core::Result<Cow<'a, [Point3<f64>]>> + 'a>,
+    pub positions: Box<GivePositions<'a>>,
 }
 
 impl<'a> SavedPose<'a> {

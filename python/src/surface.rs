@@ -58,6 +58,7 @@ impl SurfaceData {
     }
 
     /// Positions of the surface, from those of the mesh.
+    #[expect(clippy::wrong_self_convention, reason = "called as the method of `Surface` is")]
     fn from_mesh(&self, py: Python<'_>, positions: PyReadonlyArray2<'_, f64>) -> PyResult<View> {
         let moved = points(&positions).and_then(|positions| self.surface.from_mesh(&positions));
         moved.map(|moved| View::points(Arc::new(moved), Vec::as_slice)).map_err(|error| exception_of(py, error))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import doctest
+import importlib.metadata
 import re
 import shutil
 import subprocess
@@ -43,8 +44,12 @@ def test_the_notebook_runs(tmp_path) -> None:
     nbformat, nbclient = pytest.importorskip("nbformat"), pytest.importorskip("nbclient")
     shutil.copy(PYTHON / "examples" / "transfer.ipynb", tmp_path)
     notebook = nbformat.read(tmp_path / "transfer.ipynb", as_version=4)
-    nbclient.NotebookClient(notebook, timeout=300, kernel_name="python3", resources={"metadata": {"path": tmp_path}}).execute()
-    shown = [output for cell in notebook.cells for output in cell.get("outputs", []) if "text/html" in output.get("data", {})]
+    nbclient.NotebookClient(
+        notebook, timeout=300, kernel_name="python3", resources={"metadata": {"path": tmp_path}}
+    ).execute()
+    shown = [
+        output for cell in notebook.cells for output in cell.get("outputs", []) if "text/html" in output.get("data", {})
+    ]
     assert sum("data:image/png" in output["data"]["text/html"] for output in shown) >= 2
 
 
@@ -57,6 +62,16 @@ def test_the_example_of_the_readme_runs(page, tmp_path, horse, camel) -> None:
         (tmp_path / f"block_{i}.py").write_text(block)
         ran = run(tmp_path / f"block_{i}.py", cwd=tmp_path)
         assert ran.returncode == 0, f"{block}\n{ran.stderr}"
+
+
+def test_the_package_brings_the_command(tmp_path) -> None:
+    try:
+        version = importlib.metadata.version("mimesh")
+    except importlib.metadata.PackageNotFoundError:
+        pytest.skip("the package is not installed, but runs from its sources")
+    script = Path(sys.executable).with_name("mimesh")
+    told = subprocess.run([script, "--version"], capture_output=True, text=True, cwd=tmp_path, timeout=60)
+    assert told.stdout == f"mimesh {version}\n"
 
 
 def test_examples_in_the_documentation_run() -> None:

@@ -36,7 +36,7 @@ def test_settings_have_defaults_and_are_refused_with_the_words_of_the_registry()
     assert repr(sampler) == "FarthestPoint(count=12)" and sampler == mimesh.samplers.FarthestPoint(count=12)
     for settings, words in [
         ({"count": 0}, "`count`: expected at least 1, found 0"),
-        ({"count": "many"}, "`count`: expected a whole number, 0 or more, found the string \"many\""),
+        ({"count": "many"}, '`count`: expected a whole number, 0 or more, found the string "many"'),
         ({"cuont": 3}, "unknown key `cuont`"),
         ({"metric": "straight"}, "`metric`"),
     ]:

@@ -86,8 +86,12 @@ def test_every_kind_of_mesh_gives_the_same(horse, camel, tmp_path) -> None:
 def test_an_array_of_poses_and_markers_of_vertices(horse, camel) -> None:
     poses = np.stack([horse.pose(i) for i in range(2)])
     same = camel.with_vertices(camel.vertices)
-    markers = [(int(i), int(np.argmin(np.linalg.norm(camel.vertices - horse.vertices[i], axis=1)))) for i in (5, 80, 200, 350)]
-    result = mimesh.transfer(horse, same, poses=poses, markers=markers, correspondence="nearest", transfer="copy_displacement")
+    markers = [
+        (int(i), int(np.argmin(np.linalg.norm(camel.vertices - horse.vertices[i], axis=1)))) for i in (5, 80, 200, 350)
+    ]
+    result = mimesh.transfer(
+        horse, same, poses=poses, markers=markers, correspondence="nearest", transfer="copy_displacement"
+    )
     assert result.poses == ("pose-01", "pose-02")
     assert result.report["markers"] == 4
     with pytest.raises(mimesh.UsageError, match="pairs of vertices"):

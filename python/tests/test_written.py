@@ -16,6 +16,7 @@ import scipy.sparse
 import scipy.sparse.linalg
 
 import mimesh
+from conftest import make_grid
 from mimesh.testing import check_contract
 
 
@@ -58,7 +59,9 @@ def cotangent_laplacian(surface):
         columns += [b, a, a, b]
         values += [-half, -half, half, half]
     n = len(v)
-    return scipy.sparse.csr_matrix((np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), shape=(n, n))
+    return scipy.sparse.csr_matrix(
+        (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), shape=(n, n)
+    )
 
 
 class Heat(mimesh.Weights, name="test_heat"):
@@ -156,7 +159,29 @@ class Rigid(mimesh.Deformer, name="test_rigid"):
         return np.tile(np.column_stack([turn, moved - turn @ rest]), (weights.shape[1], 1, 1))
 
 
-@pytest.mark.parametrize("stage", [Spread, Shepard, ByNumber, Corners, Growth, Nearest, Rigid])
+class Movers(mimesh.KeyPoints, name="test_movers"):
+    """The vertices that move most."""
+
+    count: int = mimesh.setting(5, "Number of points.", minimum=1)
+
+    def choose(self, surface, poses, start):
+        moved = sum(np.linalg.norm(pose - surface.vertices, axis=1) for pose in poses)
+        taken = [point for point in start if isinstance(point, int)]
+        more = [int(v) for v in np.argsort(-moved, kind="stable") if v not in taken]
+        return (taken + more)[: max(self.count, len(taken))]
+
+
+class Sheet(mimesh.Generator, name="test_sheet"):
+    """A wavy sheet that rises."""
+
+    size: int = mimesh.setting(8, "Vertices along an edge.", minimum=2)
+
+    def generate(self):
+        sheet = make_grid(self.size)
+        return sheet.with_poses({"up": sheet.vertices + [0, 0, 1.0]})
+
+
+@pytest.mark.parametrize("stage", [Spread, Shepard, ByNumber, Corners, Growth, Nearest, Rigid, Movers, Sheet])
 def test_stages_in_python_keep_the_contracts(stage) -> None:
     check_contract(stage)
 
@@ -256,7 +281,9 @@ def test_transfers_take_them_as_objects(horse) -> None:
 
 
 def test_metrics_in_python_stand_in_the_report(horse, tmp_path) -> None:
-    text = YAML.replace("transfer:", "metrics: [{ type: test_growth }]\ntransfer:").replace("test_shepard, power: 3", "harmonic")
+    text = YAML.replace("transfer:", "metrics: [{ type: test_growth }]\ntransfer:").replace(
+        "test_shepard, power: 3", "harmonic"
+    )
     report = mimesh.Pipeline.from_yaml(text).run(out=tmp_path).report
     radii = [pose["metrics"]["test_growth"]["radius"] for pose in report["poses"]]
     assert len(radii) == 3 and all(0 < radius < 5 for radius in radii)
@@ -265,6 +292,20 @@ def test_metrics_in_python_stand_in_the_report(horse, tmp_path) -> None:
     assert report["settings"]["metrics"][0]["type"] == "test_growth" or any(
         metric["type"] == "test_growth" for metric in report["settings"]["metrics"]
     )
+
+
+def test_generators_in_python_are_sources_of_pipelines(tmp_path) -> None:
+    text = """
+source: { generator: { type: test_sheet, size: 9 } }
+target: { generator: { type: test_sheet, size: 9 } }
+output: [ "{pose}.obj" ]
+"""
+    result = mimesh.Pipeline.from_yaml(text).run(out=tmp_path)
+    assert [path.name for path in result.outputs] == ["up.obj"]
+    moved = mimesh.load(tmp_path / "up.obj").vertices
+    np.testing.assert_allclose(moved, make_grid(9).vertices + [0, 0, 1.0], atol=1e-8)
+    chosen = Movers(count=3).choose(make_grid(9), [make_grid(9).vertices * [1, 2, 1]])
+    assert chosen == [72, 73, 74]
 
 
 class Failing(mimesh.Weights, name="test_failing"):
@@ -319,8 +360,10 @@ def test_the_command_loads_them_and_the_cache_knows_their_source(tmp_path) -> No
     assert "unknown weights `flat`" in command("run", pipeline, "--no-cache", cwd=tmp_path).stderr
     first = command(*run, cwd=tmp_path)
     assert first.returncode == 0, first.stderr
-    one = (tmp_path / "out" / "gallop-01.obj") if (tmp_path / "out" / "gallop-01.obj").exists() else next(
-        iter(sorted((tmp_path / "out").glob("*.obj")))
+    one = (
+        (tmp_path / "out" / "gallop-01.obj")
+        if (tmp_path / "out" / "gallop-01.obj").exists()
+        else next(iter(sorted((tmp_path / "out").glob("*.obj"))))
     )
     before = one.read_bytes()
     plan = command("plan", pipeline, "--python", stages, "--cache", tmp_path / "cache", cwd=tmp_path)

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Writes the stubs of the modules of stages (`samplers.pyi` and so on) from the registry of the installed mimesh.
 
-    python/tools/stubs.py            writes them beside the package's sources
-    python/tools/stubs.py --check    fails if those that are there are out of date
+python/tools/stubs.py            writes them beside the package's sources
+python/tools/stubs.py --check    fails if those that are there are out of date
 """
 
 from __future__ import annotations

@@ -1,9 +1,6 @@
 //! The program around the command line: this one, or an interpreter of Python.
 
-use std::{
-    ffi::OsString,
-    path::{Path, PathBuf},
-};
+use std::{ffi::OsString, path::Path};
 
 use mimesh_document::{Diagnostic, Kind, Location, diagnostic::Result};
 
@@ -25,7 +22,7 @@ impl Host {
     }
 
     /// Loads the file of `--python`.
-    pub(super) fn load(&self, file: &PathBuf) -> Result<()> {
+    pub(super) fn load(&self, file: &Path) -> Result<()> {
         let Some(load) = self.load_python else {
             let location = Location::Argument(format!("--python {}", file.display()));
             let message = "this program has no Python, so that it cannot run stages written in it";

@@ -26,7 +26,7 @@ def as_mesh(mesh: MeshLike) -> Mesh:
         return from_meshio(mesh)
     if hasattr(mesh, "vertices") and hasattr(mesh, "faces"):
         return from_trimesh(mesh)
-    if hasattr(mesh, "data") or hasattr(mesh, "polygons"):
+    if hasattr(getattr(mesh, "data", mesh), "polygons"):
         return from_bpy(mesh)
     hint = "give a mimesh.Mesh, a path, a pair (vertices, faces), or a mesh of trimesh, meshio or Blender"
     raise misuse(f"expected a mesh, found {type(mesh).__name__}", hint)

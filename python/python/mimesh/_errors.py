@@ -132,7 +132,18 @@ def _taken_cause() -> BaseException | None:
 def place_of(error: BaseException) -> str:
     """Where an exception was raised, outside of mimesh."""
     frames = traceback.extract_tb(error.__traceback__)
-    own = [frame for frame in frames if not frame.filename.endswith(("mimesh/_stages.py", "mimesh/_surface.py", "<frozen importlib._bootstrap>", "<frozen importlib._bootstrap_external>"))]
+    own = [
+        frame
+        for frame in frames
+        if not frame.filename.endswith(
+            (
+                "mimesh/_stages.py",
+                "mimesh/_surface.py",
+                "<frozen importlib._bootstrap>",
+                "<frozen importlib._bootstrap_external>",
+            )
+        )
+    ]
     if not own:
         return ""
     return f"it was raised at {own[-1].filename}:{own[-1].lineno}, in `{own[-1].name}`"

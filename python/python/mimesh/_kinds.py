@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import _mimesh
 from ._mesh import Mesh, Positions, _positions
 from ._stages import Stage
-from ._surface import Link, Point, Surface, TriangleMap, mesh_points, parts_of, point_of, surface_of, surface_parts
+from ._surface import Link, Surface, TriangleMap, mesh_points, parts_of, point_of, surface_of, surface_parts
 
 
 class Sampler(Stage):
@@ -94,13 +94,17 @@ class Deformer(Stage):
 
 
 class KeyPoints(Stage):
-    """Chooses the few points of a source that tell its poses best."""
+    """Chooses the few points of a source that tell its poses best.
+
+    A subclass gives ``choose(surface, poses, start)``: points of the surface, all different. ``start`` are those of an earlier choice
+    that was interrupted.
+    """
 
     kind: ClassVar[str] = "key_points"
-    _methods = ()
+    _methods = ("choose",)
 
-    def choose(self, source: Mesh, poses: Any = None) -> list[Point]:
-        """Points of a mesh by its poses, or by others."""
+    def choose(self, source: Any, poses: Any = None, start: Any = ()) -> Any:
+        """Points of a `Mesh` by its poses, or by others."""
         of = Surface(source)
         seen = [source.pose(i) for i in range(len(source.poses))] if poses is None else poses
         moved = [np.asarray(of.from_mesh(pose)) for pose in seen]
@@ -169,7 +173,9 @@ class Transfer(Stage):
     markers_needed: ClassVar[int] = 0
     """How many markers it needs."""
 
-    def bind(self, source: Any, target: Any, map: Any = None, markers: Any = (), poses: Any = (), proximity: Any = None) -> Any:
+    def bind(
+        self, source: Any, target: Any, map: Any = None, markers: Any = (), poses: Any = (), proximity: Any = None
+    ) -> Any:
         """A `BoundTransfer` of two meshes.
 
         ``poses`` are those of the source that a method may want to see. ``proximity`` is a stage that links the components of the
@@ -250,12 +256,15 @@ class Metric(Stage):
 
 
 class Generator(Stage):
-    """Makes a mesh with poses."""
+    """Makes a mesh with poses.
+
+    A subclass gives ``generate()``: a `Mesh`, or whatever else is one. Equal settings give equal meshes.
+    """
 
     kind: ClassVar[str] = "generator"
     _methods = ()
 
-    def generate(self) -> Mesh:
+    def generate(self) -> Any:
         """The mesh with its poses."""
         return Mesh._of(_mimesh.generate(self._json()))
 
@@ -275,7 +284,7 @@ def _pairs(source: Any, target: Any, of_source: Surface, of_target: Surface, mar
     for i, (mesh, surface) in enumerate([(source, of_source), (target, of_target)]):
         points = [pair[i] for pair in markers]
         sides.append(surface_parts(surface, points) if isinstance(mesh, Mesh) else parts_of(points))
-    return list(zip(*sides))
+    return list(zip(*sides, strict=True))
 
 
 KINDS: tuple[type[Stage], ...] = (
@@ -293,4 +302,3 @@ KINDS: tuple[type[Stage], ...] = (
     Weights,
 )
 """All kinds."""
-

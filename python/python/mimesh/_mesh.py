@@ -36,7 +36,9 @@ class Mesh:
     ((3, 3), [[0, 1, 2]])
     """
 
-    def __init__(self, vertices: ArrayLike, faces: ArrayLike | Sequence[Sequence[int]], poses: PosesLike | None = None) -> None:
+    def __init__(
+        self, vertices: ArrayLike, faces: ArrayLike | Sequence[Sequence[int]], poses: PosesLike | None = None
+    ) -> None:
         """A mesh of positions (n × 3) and polygons: an array of m × 3 or m × 4 indices, or a list of polygons of any size.
 
         Both are copied once, and the mesh keeps the copies.
@@ -130,7 +132,9 @@ class Mesh:
         """
         return [Path(file) for file in self._data.save(path)]
 
-    def picture(self, pose: int | str | None = None, *, view: str = "three_quarter", up: str = "y", size: int = 320) -> bytes:
+    def picture(
+        self, pose: int | str | None = None, *, view: str = "three_quarter", up: str = "y", size: int = 320
+    ) -> bytes:
         """A PNG of the mesh at rest or in a pose.
 
         ``view`` is ``three_quarter``, ``front``, ``side`` or ``top``, and ``up`` the axis that points up, ``y`` or ``z``.
@@ -187,12 +191,18 @@ def _positions(values: Any, what: str) -> Positions:
 def _polygons(faces: Any) -> tuple[NDArray[np.uint32], NDArray[np.uint32]]:
     """The corners of all polygons, and the number of corners of each."""
     if not isinstance(faces, np.ndarray):
+        listed = list(faces)
+        if listed and len({len(polygon) for polygon in listed}) == 1:
+            faces = np.asarray(listed)
+    if not isinstance(faces, np.ndarray):
         faces = [np.asarray(polygon) for polygon in faces]
         sizes = np.array([len(polygon) for polygon in faces], dtype=np.uint32)
         corners = np.concatenate(faces) if faces else np.empty(0, dtype=np.int64)
     else:
         if faces.ndim != 2:
-            raise misuse(f"faces: expected an array of m × 3 indices or a list of polygons, found the shape {faces.shape}")
+            raise misuse(
+                f"faces: expected an array of m × 3 indices or a list of polygons, found the shape {faces.shape}"
+            )
         sizes = np.full(faces.shape[0], faces.shape[1], dtype=np.uint32)
         corners = faces.reshape(-1)
     if corners.size and not np.issubdtype(corners.dtype, np.integer):

@@ -61,4 +61,9 @@ def reporter(progress: ProgressLike) -> Reporter | None:
 
 def _print(progress: Progress) -> None:
     share = "" if progress.share is None else f" {100 * progress.share:.0f} %"
-    print(f"\r{progress.stage}{share}".ljust(60), end="\n" if progress.share in (None, 1.0) else "", file=sys.stderr, flush=True)
+    print(
+        f"\r{progress.stage}{share}".ljust(60),
+        end="\n" if progress.share in (None, 1.0) else "",
+        file=sys.stderr,
+        flush=True,
+    )

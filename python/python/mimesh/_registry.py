@@ -90,7 +90,11 @@ def _class(base: type[Stage], entry: dict[str, Any], module: str) -> type[Linked
     settings = entry["schema"].get("properties", {})
     named = inspect.Parameter.KEYWORD_ONLY
     defaults = entry["defaults"]
-    parameters = [inspect.Parameter(key, named, default=defaults.get(key)) for key in settings if key.isidentifier() and not keyword.iskeyword(key)]
+    parameters = [
+        inspect.Parameter(key, named, default=defaults.get(key))
+        for key in settings
+        if key.isidentifier() and not keyword.iskeyword(key)
+    ]
     body: dict[str, Any] = {
         "__doc__": documentation(entry),
         "__module__": module,

@@ -98,7 +98,14 @@ def setting(default: Any, doc: str, *, minimum: float | None = None, maximum: fl
     return dataclasses.field(default=default, metadata=metadata)
 
 
-_JSON_TYPES: dict[Any, str] = {bool: "boolean", int: "integer", float: "number", str: "string", list: "array", dict: "object"}
+_JSON_TYPES: dict[Any, str] = {
+    bool: "boolean",
+    int: "integer",
+    float: "number",
+    str: "string",
+    list: "array",
+    dict: "object",
+}
 
 
 def _schema_of_type(hint: Any) -> dict[str, Any]:

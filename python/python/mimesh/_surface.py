@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any, Optional, Union
+from typing import Any, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,7 +15,7 @@ from ._mesh import Mesh, Positions, _positions
 Point = Union[int, "tuple[int, tuple[float, float, float]]"]
 """A point of a surface or mesh: a vertex, or a triangle with barycentric coordinates of its corners."""
 
-_Parts = tuple[int, Optional[tuple[float, float, float]]]
+_Parts = tuple[int, tuple[float, float, float] | None]
 
 
 class Surface:
@@ -196,6 +196,16 @@ def propose(stage: Any, source: Surface, target: Surface, markers: Any) -> list[
         points = parts_of(pair[:2])
         found.append((points[0], points[1], float(pair[2]) if len(pair) > 2 else 0.5))
     return found
+
+
+def choose(stage: Any, surface: Surface, poses: list[Any], start: Any) -> list[_Parts]:
+    return parts_of(stage.choose(surface, poses, [point_of(parts) for parts in start]))
+
+
+def generate(stage: Any) -> _mimesh.MeshData:
+    from ._convert import as_mesh
+
+    return as_mesh(stage.generate())._data
 
 
 def bind(stage: Any, source: Surface, target: Surface, map: _mimesh.MapData | None, markers: Any) -> Any:

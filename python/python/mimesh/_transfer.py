@@ -44,7 +44,7 @@ class TransferResult:
     @property
     def mesh(self) -> Mesh:
         """The target with its new poses."""
-        return self.target.with_poses(dict(zip(self.poses, self.positions)))
+        return self.target.with_poses(dict(zip(self.poses, self.positions, strict=True)))
 
     @property
     def verdict(self) -> str | None:
@@ -174,7 +174,9 @@ def _markers(document: Document, markers: Any, folder: str) -> Any:
         return document.value(markers)
     pairs = np.asarray(markers)
     if pairs.ndim != 2 or pairs.shape[1] != 2 or not np.issubdtype(pairs.dtype, np.integer):
-        raise misuse("markers: expected pairs of vertices of source and target, or a file", "e.g. `markers=[(12, 40), (7, 3)]`")
+        raise misuse(
+            "markers: expected pairs of vertices of source and target, or a file", "e.g. `markers=[(12, 40), (7, 3)]`"
+        )
     file = Path(folder) / "markers.cons"
     file.write_text(f"{len(pairs)}\n" + "".join(f"{a}, {b}\n" for a, b in pairs.tolist()))
     return os.fspath(file)

@@ -7,6 +7,8 @@ mod call;
 mod clusterer;
 mod correspondence;
 mod deformer;
+mod generator;
+mod key_points;
 mod landmarks;
 mod metric;
 mod sampler;

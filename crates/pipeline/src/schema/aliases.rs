@@ -92,7 +92,7 @@ fn wrong_type(schema: &Value, value: &Value) -> Option<String> {
         _ => value.is_null(),
     };
     let words = schema.get("enum").and_then(Value::as_array);
-    if types.iter().any(|name| fits(name)) && words.is_none_or(|words| words.contains(value)) {
+    if types.iter().any(fits) && words.is_none_or(|words| words.contains(value)) {
         return None;
     }
     let expected = match types.first().copied().unwrap_or_default() {
@@ -157,10 +157,10 @@ mod tests {
     fn what_is_wrong_with_its_settings_is_told_at_its_place() {
         let (_, wrong) = parsed("{ type: test_learned, strength: much, nam: a }");
         let expected =
-            ["p.yaml:4:45: `strength`: expected a number, found the string \"much\"", "p.yaml:4:51: unknown key `nam`"];
+            ["p.yaml:4:43: `strength`: expected a number, found the string \"much\"", "p.yaml:4:49: unknown key `nam`"];
         assert_eq!(wrong, expected);
         assert_eq!(parsed("{ type: test_learned, name: c }").1.len(), 1);
-        let out_of_range = "p.yaml:4:45: `strength`: expected at least 0, found -1";
+        let out_of_range = "p.yaml:4:43: `strength`: expected at least 0, found -1";
         assert_eq!(parsed("{ type: test_learned, strength: -1 }").1, [out_of_range]);
         assert_eq!(parsed("{ type: test_leaned }").1, ["p.yaml:4:19: unknown transfer `test_leaned`"]);
     }
