@@ -1,0 +1,111 @@
+"""Landmarks from empties and vertex groups."""
+
+import bpy
+import numpy as np
+import pytest
+from conftest import add_mesh, shape, transfer
+
+from mimesh_blender import landmarks
+
+
+@pytest.fixture
+def pair(scene, horse, camel):
+    return add_mesh("horse", horse, with_poses=True), add_mesh("camel", camel)
+
+
+def empty(name, at, parent=None):
+    obj = bpy.data.objects.new(name, None)
+    bpy.context.scene.collection.objects.link(obj)
+    obj.location = at
+    obj.parent = parent
+    return obj
+
+
+@pytest.fixture(scope="module")
+def points():
+    """Vertices of horse and camel that have one name there."""
+    import mimesh
+
+    sides = []
+    for proportions, resolution, seed in (("horse", 20, 0), ("camel", 24, 1)):
+        animal = mimesh.generators.Quadruped(proportions=proportions, frames=1, resolution=resolution, seed=seed).generate()
+        sides.append(animal)
+    result = mimesh.transfer(*sides, metrics=[])
+    assert result.report["markers"] > 20
+    # Extremes of both, along all axes: they correspond well enough.
+    def extremes(mesh):
+        x, y, z = mesh.vertices.T
+        ends = (y, -y, z, -z, x + z - y, x - z - y, -x + z - y, -x - z - y)
+        return [int(np.argmax(values)) for values in ends]
+
+    return list(zip(*map(extremes, sides)))
+
+
+def test_empties_by_name_lie_on_the_surfaces(pair, points, horse, camel):
+    source, target = pair
+    source.location = (0, 0, 7)
+    for i, (a, b) in enumerate(points):
+        empty(f"point{i}.source", horse.vertices[a] + [0, 0, 7])
+        empty(f"point{i}.target", camel.vertices[b])
+    bpy.context.view_layer.update()
+    found = landmarks.from_empties(bpy.context.scene, source, target, horse, camel)
+    for side, mesh, which in ((found._source, horse, 0), (found._target, camel, 1)):
+        for place, ends in zip(side, points):
+            at = np.array(place["barycentric"]) @ mesh.vertices[mesh.faces[place["triangle"]]]
+            np.testing.assert_allclose(at, mesh.vertices[ends[which]], atol=1e-5)
+    assert transfer(source, target, landmarks="EMPTIES") == {"FINISHED"}
+    assert found.names == [f"point{i}" for i in range(len(points))]
+    assert np.abs(shape(target, "01") - camel.vertices).max() > 0.05
+
+
+def test_children_of_equal_names_are_pairs(pair, points, horse, camel):
+    source, target = pair
+    for i, (a, b) in enumerate(points):
+        empty(f"point{i}", horse.vertices[a], source)
+        empty(f"point{i}", camel.vertices[b], target)
+    bpy.context.view_layer.update()
+    found = landmarks.from_empties(bpy.context.scene, source, target, horse, camel)
+    assert found.names == [f"point{i}" for i in range(len(points))] and not found.messages
+
+
+def test_an_empty_without_a_partner_is_named(pair):
+    for name in ("nose.source", "tail.target", "ear.source", "ear.target"):
+        empty(name, (0, 0, 0))
+    with pytest.raises(RuntimeError, match=r"no empty on the target \(camel\) for nose; no empty on the source \(horse\) for tail\nHint: "):
+        transfer(*pair, landmarks="EMPTIES")
+    assert pair[1].data.shape_keys is None
+
+
+def test_no_empties_and_few_are_refused(pair):
+    with pytest.raises(RuntimeError, match="there are no empties"):
+        transfer(*pair, landmarks="EMPTIES")
+    for side in ("source", "target"):
+        empty(f"nose.{side}", (0, 0, 0))
+    with pytest.raises(RuntimeError, match="there are only 1 landmark"):
+        transfer(*pair, landmarks="EMPTIES")
+
+
+def test_an_empty_far_from_the_surface_is_said(pair, points, horse, camel):
+    for i, (a, b) in enumerate(points):
+        empty(f"point{i}.source", horse.vertices[a] + ([0, 0, 9] if i == 0 else [0, 0, 0]))
+        empty(f"point{i}.target", camel.vertices[b])
+    bpy.context.view_layer.update()
+    found = landmarks.from_empties(bpy.context.scene, *pair, horse, camel)
+    assert found.messages == ["far from the surface of horse at rest: point0.source"]
+
+
+def test_vertex_groups_of_equal_names_are_pairs(pair, points):
+    source, target = pair
+    for i, ends in enumerate(points):
+        for obj, vertex in zip(pair, ends):
+            obj.vertex_groups.new(name=f"point{i}").add([vertex], 1.0, "REPLACE")
+    source.vertex_groups.new(name="alone").add([0], 1.0, "REPLACE")
+    assert transfer(source, target, landmarks="GROUPS") == {"FINISHED"}
+    assert any(message.text.endswith("left out: alone") for message in bpy.context.scene.mimesh.outcome.messages)
+    found = landmarks.from_groups(source, target, np.zeros((len(source.data.vertices), 3)), np.zeros((len(target.data.vertices), 3)))
+    assert [place["vertex"] for place in found._target] == [b for _, b in points]
+
+
+def test_no_common_group_is_refused(pair):
+    with pytest.raises(RuntimeError, match="no vertex group of equal name"):
+        transfer(*pair, landmarks="GROUPS")
