@@ -20,7 +20,7 @@ WHEEL = os.environ.get("MIMESH_WHEEL")
 CHECKER = Path(bpy.utils.system_resource("SCRIPTS")) / "addons_core/bl_pkg/cli/blender_ext.py"
 
 INSTALL = """
-import sys, addon_utils, bpy
+import sys, bpy, addon_utils
 addon_utils.enable("bl_pkg")
 assert bpy.ops.extensions.package_install_files(filepath=sys.argv[1], repo="user_default", enable_on_install=True) == {"FINISHED"}
 module = sys.modules["bl_ext.user_default.mimesh"]
