@@ -9,6 +9,7 @@ Writes the scene as .blend, and the target with its motion as .glb beside it. Wi
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 import time
 from pathlib import Path
@@ -45,11 +46,16 @@ def choose_clip(obj: bpy.types.Object, clip: str | None) -> None:
     if clip is None:
         return
     owners = [obj.data.shape_keys, *(modifier.object for modifier in obj.modifiers if modifier.type == "ARMATURE")]
-    for action in bpy.data.actions:
-        if action.name == clip or action.name.startswith(f"{clip}_"):
-            for owner in filter(None, owners):
-                owner.animation_data_create().action = action
-            return
+    for owner in filter(None, owners):
+        for action in bpy.data.actions:
+            # The importer adds the name of the object.
+            if action.name == clip or action.name.startswith(f"{clip}_"):
+                data = owner.animation_data_create()
+                data.action = action
+                # Blender has slots since 4.4, and only some fit.
+                if hasattr(data, "action_suitable_slots"):
+                    data.action_slot = next(iter(data.action_suitable_slots), None)
+                return
     sys.exit(f"there is no clip {clip}; clips: {', '.join(action.name for action in bpy.data.actions)}")
 
 
@@ -124,3 +130,7 @@ def main(arguments: list[str]) -> None:
 
 if __name__ == "__main__":
     main(sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else sys.argv[1:])
+    if not bpy.app.binary_path:
+        # The module bpy 4.2 crashes while Python ends, after any import of glTF.
+        sys.stdout.flush()
+        os._exit(0)

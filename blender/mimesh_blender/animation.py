@@ -27,7 +27,13 @@ def action_name(obj: Any) -> str:
 def is_moved(owner: Any) -> bool:
     """Whether a data-block has an action, strips or drivers."""
     data = owner.animation_data if owner else None
-    return bool(data and (data.action or data.drivers or any(track.strips for track in data.nla_tracks)))
+    return bool(data and (data.action or data.drivers)) or plays_strips(owner)
+
+
+def plays_strips(owner: Any) -> bool:
+    """Whether strips move a data-block."""
+    data = owner.animation_data if owner else None
+    return bool(data and any(not (track.mute or strip.mute) for track in data.nla_tracks for strip in track.strips))
 
 
 def _movers(obj: Any) -> list[Any]:

@@ -82,7 +82,7 @@ class Job:
             what = "BOTH" if has_shapes and motion else "SHAPE_KEYS" if has_shapes else "ACTION"
         if what in ("SHAPE_KEYS", "BOTH") and not has_shapes:
             raise Refusal(f"{from_.name} has no shape keys", "Transfer its action; are source and target swapped?")
-        if what == "BOTH" and not source.is_deformed(from_):
+        if what == "BOTH" and not source.is_deformed(from_) and not animation.plays_strips(from_.data.shape_keys):
             # The curves of the keys are all the motion there is.
             self._copies_motion = True
             if not keys_move:

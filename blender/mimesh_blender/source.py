@@ -93,7 +93,9 @@ def _mask_of(obj: Any, key: Any) -> Any:
 
 def is_deformed(obj: Any) -> bool:
     """Whether anything but shape keys changes the shape."""
-    return any(modifier.show_viewport and modifier.type not in _CONSTRUCTIVE for modifier in obj.modifiers)
+    # Old files deform by the parent, without a modifier.
+    by_parent = obj.parent is not None and obj.parent_type in ("ARMATURE", "LATTICE")
+    return by_parent or any(modifier.show_viewport and modifier.type not in _CONSTRUCTIVE for modifier in obj.modifiers)
 
 
 def frame_numbers(scene: Any, obj: Any, which: str, step: int) -> list[int]:

@@ -1,5 +1,6 @@
 """Objects that tests share: animals of mimesh's generator, in a scene without anything else."""
 
+import os
 import sys
 from pathlib import Path
 
@@ -14,6 +15,16 @@ sys.path.insert(0, str(BLENDER))
 
 import mimesh_blender  # noqa: E402
 from mimesh_blender import source  # noqa: E402
+
+
+def pytest_sessionfinish(session, exitstatus):
+    session.config.mimesh_status = int(exitstatus)
+
+
+def pytest_unconfigure(config):
+    # The module bpy 4.2 crashes while Python ends, after any property with a poll function was registered.
+    sys.stdout.flush()
+    os._exit(getattr(config, "mimesh_status", 1))
 
 
 @pytest.fixture(scope="session")

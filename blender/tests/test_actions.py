@@ -140,3 +140,17 @@ def test_nodes_that_make_vertices_are_off_meanwhile(scene, walker, horse):
     transfer(walker, target)
     assert walker.modifiers["Nodes"].show_viewport
     assert any("Nodes" in message.text for message in scene.mimesh.outcome.messages)
+
+
+def test_strips_move_shape_keys_too(scene, horse):
+    source, target = add_mesh("source", horse, with_poses=True), add_mesh("target", horse)
+    animate_keys(source, {"01": [(1, 0.0), (3, 1.0)]})
+    data = source.data.shape_keys.animation_data
+    strip = data.nla_tracks.new().strips.new("strip", 1, data.action)
+    if hasattr(strip, "action_slot"):
+        strip.action_slot = data.action_slot
+    data.action = None
+    transfer(source, target)
+    assert key_names(target) == [*horse.poses, "source.0001", "source.0002", "source.0003"]
+    for frame in (1, 2, 3):
+        np.testing.assert_allclose(evaluated(target, frame), evaluated(source, frame), atol=1e-4)
