@@ -59,7 +59,8 @@ def problems(manifest: dict[str, Any]) -> list[str]:
     found += [f"tags: {tag} is none of Blender's" for tag in manifest.get("tags", []) if tag not in TAGS]
     found += [f"permissions: {key} is none of Blender's" for key in manifest.get("permissions", {}) if key not in PERMISSIONS]
     found += [f"license: expected SPDX: before {one}" for one in manifest.get("license", []) if not one.startswith("SPDX:")]
-    found += [f"copyright: expected a year before {one}" for one in manifest.get("copyright", []) if not re.match(r"\d{4}(-\d{4})? \S", one)]
+    holders = manifest.get("copyright", [])
+    found += [f"copyright: expected a year before {one}" for one in holders if not re.match(r"\d{4}(-\d{4})? \S", one)]
     return found
 
 

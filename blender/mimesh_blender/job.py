@@ -77,7 +77,10 @@ class Job:
         moves_else = source.is_deformed(from_) and animation.frame_range(from_) is not None
         if what == "AUTO":
             if not has_shapes and not moves_else and animation.frame_range(from_) is None:
-                raise Refusal(f"{from_.name} has neither shape keys nor an action", "Choose a source with either; are source and target swapped?")
+                raise Refusal(
+                    f"{from_.name} has neither shape keys nor an action",
+                    "Choose a source with either; are source and target swapped?",
+                )
             motion = moves_else or keys_move or not has_shapes
             what = "BOTH" if has_shapes and motion else "SHAPE_KEYS" if has_shapes else "ACTION"
         if what in ("SHAPE_KEYS", "BOTH") and not has_shapes:
@@ -102,9 +105,10 @@ class Job:
             # Brings back frame and modifiers, whatever happened.
             reading.close()
         if self._frames.switched_off:
-            self.messages.append(f"modifiers that add or remove vertices were off while frames were read: {listed(self._frames.switched_off)}")
+            off = listed(self._frames.switched_off)
+            self.messages.append(f"modifiers that add or remove vertices were off while frames were read: {off}")
         if self._frames.moves_as_object and not settings.object_motion:
-            self.messages.append(f"{from_.name} also moves as an object, which was left out: turn on Object Motion to include it")
+            self.messages.append(f"{from_.name} also moves as an object, which was left out: Object Motion would include it")
 
     def compute(self, report: Callable[[Step], object]) -> None:
         """Transfers the poses; touches nothing of Blender. It ends where `report` raises."""
@@ -215,7 +219,8 @@ def pair_of(context: Any, use_selection: bool = False) -> tuple[Any, Any]:
 
 def _check_pair(from_: Any, to: Any) -> None:
     if from_ == to or from_.data == to.data:
-        raise Refusal(f"source and target are the same mesh ({from_.data.name})", "Choose two meshes, or make the data of one a single user")
+        hint = "Choose two meshes, or make the data of one a single user"
+        raise Refusal(f"source and target are the same mesh ({from_.data.name})", hint)
     for obj in (from_, to):
         if obj.mode == "EDIT":
             raise Refusal(f"{obj.name} is in edit mode", "Leave it with Tab")

@@ -38,7 +38,7 @@ class Landmarks:
 def from_empties(scene: Any, source: Any, target: Any, source_mesh: Any, target_mesh: Any) -> Landmarks:
     """The points of the surfaces nearest to empties.
 
-    The meshes are those of the objects in their own spaces.
+    The meshes are those of the objects at rest.
     """
     found = empties_of(scene, source, target)
     names = _paired({name: set(ends) for name, ends in found.items()}, source.name, target.name, "empty")
@@ -103,16 +103,18 @@ def _paired(sides: dict[str, set[str]], source: str, target: str, thing: str) ->
 def _on_surface(obj: Any, mesh: Any, empties: list[Any], messages: list[str]) -> list[dict[str, Any]]:
     """The points of a surface nearest to empties, as triangles with barycentric coordinates."""
     triangles = np.asarray(mesh.faces, dtype=np.int64)
-    tree = BVHTree.FromPolygons(mesh.vertices.tolist(), triangles.tolist(), all_triangles=True)
-    into = obj.matrix_world.inverted()
-    diagonal = float(np.linalg.norm(np.ptp(mesh.vertices, axis=0)))
+    # In the world, where distances are those that one sees.
+    matrix = np.array(obj.matrix_world)
+    vertices = mesh.vertices @ matrix[:3, :3].T + matrix[:3, 3]
+    tree = BVHTree.FromPolygons(vertices.tolist(), triangles.tolist(), all_triangles=True)
+    diagonal = float(np.linalg.norm(np.ptp(vertices, axis=0)))
     points, far = [], []
     for empty in empties:
-        nearest, _, triangle, distance = tree.find_nearest(into @ empty.matrix_world.translation)
+        nearest, _, triangle, distance = tree.find_nearest(empty.matrix_world.translation)
         if distance > _FAR * diagonal:
             far.append(empty.name)
-        corners = mesh.vertices[triangles[triangle]]
-        points.append({"triangle": triangle, "barycentric": _barycentric(corners, np.array(nearest))})
+        barycentric = _barycentric(vertices[triangles[triangle]], np.array(nearest))
+        points.append({"triangle": triangle, "barycentric": barycentric})
     if far:
         messages.append(f"far from the surface of {obj.name} at rest: {listed(far)}")
     return points

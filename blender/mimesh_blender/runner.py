@@ -50,8 +50,12 @@ class Runner:
         """Ends the job. A thread under way ends at its next report, and its result is dropped."""
         global running
         self._stop.set()
-        self._reading.close()
         running = None
+        try:
+            self._reading.close()
+        except ReferenceError:
+            # Another file was loaded, and there is nothing left to be brought back.
+            pass
 
     def _compute(self) -> None:
         def report(step: Step) -> None:

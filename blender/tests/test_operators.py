@@ -1,6 +1,7 @@
 """Operators, the panel, errors, and what is left when something goes wrong."""
 
 import time
+from types import SimpleNamespace
 
 import bpy
 import numpy as np
@@ -9,7 +10,7 @@ from conftest import add, add_mesh, choose, evaluated, key_names, rig, transfer
 
 import mimesh
 import mimesh_blender
-from mimesh_blender import panel, runner, target
+from mimesh_blender import operators, panel, runner, target
 from mimesh_blender.job import Job, pair_of
 from mimesh_blender.messages import Cancelled, Refusal, text_of
 
@@ -150,6 +151,47 @@ def test_cancelled_while_it_computes(scene):
     made._thread.join(30)
     assert not made._thread.is_alive() and isinstance(made._error, Cancelled)
     assert obj.data.shape_keys is None and runner.running is None
+
+
+class Window:
+    """What the operator uses of a window, and its own `self`."""
+
+    def __init__(self, job):
+        self.reports, self.calls = [], []
+        self.self = type("Self", (), dict(operators.MIMESH_OT_transfer.__dict__))()
+        self.self._runner, self.self._timer = runner.Runner(job), "timer"
+        self.self.report = lambda kind, text: self.reports.append((*kind, text))
+        self.context = SimpleNamespace(window_manager=self, workspace=self, screen=None)
+
+    def event(self, kind, value="NOTHING"):
+        return self.self.modal(self.context, SimpleNamespace(type=kind, value=value))
+
+    def __getattr__(self, name):
+        return lambda *arguments: self.calls.append((name, *arguments))
+
+
+def test_a_window_is_served_and_tidied(scene, horse):
+    source, obj = add_mesh("source", horse, with_poses=True), add_mesh("target", horse)
+    choose(source, obj)
+    window = Window(Job(bpy.context))
+    assert window.event("A", "PRESS") == {"RUNNING_MODAL"} and window.event("MIDDLEMOUSE") == {"PASS_THROUGH"}
+    while (result := window.event("TIMER")) == {"RUNNING_MODAL"}:
+        time.sleep(0.01)
+    assert result == {"FINISHED"} and key_names(obj) == list(horse.poses)
+    assert any(call[0] == "status_text_set" and "Escape" in call[1] for call in window.calls[:-3])
+    tidied = [("event_timer_remove", "timer"), ("progress_end",), ("status_text_set", None)]
+    assert window.calls[-3:] == tidied and window.reports[-1][0] == "INFO"
+
+    window = Window(Job(bpy.context))
+    window.event("TIMER")
+    assert window.event("ESC", "PRESS") == {"CANCELLED"}
+    assert window.calls[-3:] == tidied and window.reports == [("INFO", "Cancelled: nothing was changed")]
+    assert key_names(obj) == list(horse.poses) and runner.running is None
+
+    scene.mimesh.landmarks = "EMPTIES"
+    window = Window(Job(bpy.context))
+    assert window.event("TIMER") == {"CANCELLED"}
+    assert window.calls[-3:] == tidied and window.reports[0][0] == "ERROR" and "no empties" in window.reports[0][1]
 
 
 def test_faults_of_the_thread_are_raised(scene, horse):
