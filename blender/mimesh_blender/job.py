@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import tempfile
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -10,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from . import animation, landmarks, outcome, source, target
+from . import animation, landmarks, library, outcome, source, target
 from .messages import Refusal, counted, listed
 from .spaces import Space
 
@@ -31,7 +30,7 @@ class Job:
         self._settings = settings = context.scene.mimesh
         self.source, self.target = pair_of(context, use_selection)
         self.messages: list[str] = []
-        self._mimesh = _library()
+        self._mimesh = library.load()
         self._arguments: dict[str, Any] = {}
         if settings.method != "AUTO":
             self._arguments["transfer"] = settings.method
@@ -45,11 +44,16 @@ class Job:
     def read(self) -> Iterator[Step]:
         """Reads meshes and poses; gives a step now and then."""
         settings, from_, to = self._settings, self.source, self.target
-        _check_pair(from_, to)
+        check_pair(from_, to)
         if not settings.on_copy:
             target.check(to)
             if to.data.users > 1:
                 self.messages.append(f"{counted(to.data.users, 'object')} share the mesh of {to.name}: all take the shape keys")
+        self.messages += [
+            f"{obj.name} is mirrored by a modifier, and only the half that is its own was used: apply the modifier to use all"
+            for obj in (from_, to)
+            if any(modifier.type == "MIRROR" and modifier.show_viewport for modifier in obj.modifiers)
+        ]
         yield Step("Reading meshes", 0.0)
         self._space, self._target_space = Space(from_), Space(to)
         rest, target_rest = source.rest_of(from_), source.rest_of(to)
@@ -217,18 +221,11 @@ def pair_of(context: Any, use_selection: bool = False) -> tuple[Any, Any]:
     return from_, to
 
 
-def _check_pair(from_: Any, to: Any) -> None:
+def check_pair(from_: Any, to: Any) -> None:
+    """Refuses objects that are no pair, or being edited."""
     if from_ == to or from_.data == to.data:
         hint = "Choose two meshes, or make the data of one a single user"
         raise Refusal(f"source and target are the same mesh ({from_.data.name})", hint)
     for obj in (from_, to):
         if obj.mode == "EDIT":
             raise Refusal(f"{obj.name} is in edit mode", "Leave it with Tab")
-
-
-def _library() -> Any:
-    try:
-        return importlib.import_module("mimesh")
-    except ImportError as error:
-        hint = "Install the extension for this system; its README names the systems"
-        raise Refusal(f"the library of mimesh cannot be loaded: {error}", hint) from error

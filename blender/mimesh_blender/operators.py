@@ -1,4 +1,4 @@
-"""The operators: transfer, swap, and show a pose."""
+"""The operators: transfer, swap, find landmarks, and show a pose."""
 
 import traceback
 from typing import Any
@@ -6,13 +6,25 @@ from typing import Any
 import bpy
 from bpy.props import BoolProperty, IntProperty
 
-from . import runner
-from .job import Job
-from .messages import Cancelled, Refusal, text_of
+from . import proposals, runner
+from .job import Job, check_pair, pair_of
+from .messages import Cancelled, Refusal, counted, text_of
 
 # How often a running transfer looks for news, in seconds.
 _TICK = 0.1
 _NAVIGATION = {"MIDDLEMOUSE", "WHEELUPMOUSE", "WHEELDOWNMOUSE", "MOUSEMOVE", "TRACKPADPAN", "TRACKPADZOOM", "MOUSEROTATE", "NDOF_MOTION"}
+
+
+def refuse(operator: bpy.types.Operator, error: Exception) -> set[str]:
+    """Reports an error as one text, and ends the operator."""
+    if isinstance(error, Cancelled):
+        operator.report({"INFO"}, "Cancelled: nothing was changed")
+    else:
+        if not isinstance(error, Refusal) and not getattr(error, "diagnostics", None):
+            # A fault of ours: the console has where it is.
+            traceback.print_exception(error)
+        operator.report({"ERROR"}, text_of(error))
+    return {"CANCELLED"}
 
 
 class MIMESH_OT_transfer(bpy.types.Operator):
@@ -49,7 +61,7 @@ class MIMESH_OT_transfer(bpy.types.Operator):
             job.compute(lambda step: manager.progress_update(100 * step.share))
             return self._finish(job)
         except Exception as error:
-            return self._refuse(error)
+            return refuse(self, error)
         finally:
             manager.progress_end()
 
@@ -60,7 +72,7 @@ class MIMESH_OT_transfer(bpy.types.Operator):
         try:
             self._runner = runner.Runner(Job(context, self.use_selection))
         except Exception as error:
-            return self._refuse(error)
+            return refuse(self, error)
         manager = context.window_manager
         self._timer = manager.event_timer_add(_TICK, window=context.window)
         manager.progress_begin(0, 100)
@@ -70,7 +82,7 @@ class MIMESH_OT_transfer(bpy.types.Operator):
     def modal(self, context: Any, event: Any) -> set[str]:
         """Reads a few frames, or looks after the thread."""
         if event.type == "ESC" and event.value == "PRESS":
-            return self._end(context, self._refuse(Cancelled()))
+            return self._end(context, refuse(self, Cancelled()))
         if event.type != "TIMER":
             # Edits meanwhile would pull the meshes away under the transfer; looking around is fine.
             return {"PASS_THROUGH"} if event.type in _NAVIGATION else {"RUNNING_MODAL"}
@@ -80,7 +92,7 @@ class MIMESH_OT_transfer(bpy.types.Operator):
                 return {"RUNNING_MODAL"}
             return self._end(context, self._finish(self._runner.job))
         except Exception as error:
-            return self._end(context, self._refuse(error))
+            return self._end(context, refuse(self, error))
 
     def cancel(self, context: Any) -> None:
         """Blender ends the operator, e.g. since a file is loaded."""
@@ -111,16 +123,6 @@ class MIMESH_OT_transfer(bpy.types.Operator):
         self.report({"INFO"}, summary)
         return {"FINISHED"}
 
-    def _refuse(self, error: Exception) -> set[str]:
-        if isinstance(error, Cancelled):
-            self.report({"INFO"}, "Cancelled: nothing was changed")
-        else:
-            if not isinstance(error, Refusal) and not getattr(error, "diagnostics", None):
-                # A fault of ours: the console has where it is.
-                traceback.print_exception(error)
-            self.report({"ERROR"}, text_of(error))
-        return {"CANCELLED"}
-
 
 class MIMESH_OT_swap(bpy.types.Operator):
     """Exchange source and target"""
@@ -132,6 +134,29 @@ class MIMESH_OT_swap(bpy.types.Operator):
     def execute(self, context: Any) -> set[str]:
         settings = context.scene.mimesh
         settings.source, settings.target = settings.target, settings.source
+        return {"FINISHED"}
+
+
+class MIMESH_OT_find_landmarks(bpy.types.Operator):
+    """Find points that correspond by shape, and set an empty at each, to be corrected"""
+
+    bl_idname = "mimesh.find_landmarks"
+    bl_label = "Find Landmarks"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        return context.mode == "OBJECT" and runner.running is None
+
+    def execute(self, context: Any) -> set[str]:
+        try:
+            source, target = pair_of(context)
+            check_pair(source, target)
+            count, least_sure = proposals.place(context, source, target)
+        except Exception as error:
+            return refuse(self, error)
+        context.scene.mimesh.landmarks = "EMPTIES"
+        self.report({"INFO"}, f"{counted(count, 'pair')} of empties; the least sure is {least_sure}")
         return {"FINISHED"}
 
 
@@ -166,7 +191,7 @@ def _draw_menu(menu: Any, _context: Any) -> None:
     menu.layout.operator(MIMESH_OT_transfer.bl_idname, icon="MOD_MESHDEFORM").use_selection = True
 
 
-_CLASSES = (MIMESH_OT_transfer, MIMESH_OT_swap, MIMESH_OT_show_pose)
+_CLASSES = (MIMESH_OT_transfer, MIMESH_OT_swap, MIMESH_OT_find_landmarks, MIMESH_OT_show_pose)
 
 
 def register() -> None:

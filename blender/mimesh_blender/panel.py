@@ -48,8 +48,11 @@ class VIEW3D_PT_mimesh(_Panel, bpy.types.Panel):
         layout.prop(settings, "landmarks")
         if settings.landmarks == "EMPTIES" and source is not None:
             pairs = landmarks.empties_of(context.scene, source, target).values()
-            complete = sum(len(ends) == 2 for ends in pairs)
-            layout.label(text=f"{complete} complete pairs of {len(pairs)}", icon="EMPTY_AXIS")
+            if pairs:
+                complete = sum(len(ends) == 2 for ends in pairs)
+                layout.label(text=f"{complete} complete pairs of {len(pairs)}", icon="EMPTY_AXIS")
+            else:
+                layout.operator("mimesh.find_landmarks", icon="EMPTY_AXIS")
         layout.prop(settings, "on_copy")
         if runner.running is None:
             layout.operator("mimesh.transfer", icon="PLAY")

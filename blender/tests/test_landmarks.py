@@ -3,9 +3,11 @@
 import bpy
 import numpy as np
 import pytest
-from conftest import add_mesh, shape, transfer
+from conftest import add_mesh, choose, shape, transfer
 
+import mimesh
 from mimesh_blender import landmarks
+from mimesh_blender.source import polygons_of, rest_of
 
 
 @pytest.fixture
@@ -101,3 +103,21 @@ def test_vertex_groups_of_equal_names_are_pairs(pair, points):
 def test_no_common_group_is_refused(pair):
     with pytest.raises(RuntimeError, match="no vertex group of equal name"):
         transfer(*pair, landmarks="GROUPS")
+
+
+def test_landmarks_found_by_shape_become_empties_to_be_corrected(pair, horse, camel):
+    choose(*pair)
+    pair[0].location = (0, 0, 5)
+    assert bpy.ops.mimesh.find_landmarks() == {"FINISHED"}
+    assert bpy.context.scene.mimesh.landmarks == "EMPTIES"
+    bpy.context.view_layer.update()
+    found = landmarks.from_empties(bpy.context.scene, *pair, horse, camel)
+    assert len(found.names) >= 4 and not found.messages
+    expected = mimesh.landmarks.Extremities().propose(*(mimesh.Mesh(rest_of(obj), polygons_of(obj)) for obj in pair))
+    assert len(expected) == len(found.names)
+    for place, point in zip(found._source, expected):
+        vertices = [horse.vertices[horse.faces[triangle]] for triangle in (place["triangle"], point[0][0])]
+        np.testing.assert_allclose(place["barycentric"] @ vertices[0], point[0][1] @ vertices[1], atol=1e-4)
+    with pytest.raises(RuntimeError, match="there are empties as landmarks already\nHint: Delete"):
+        bpy.ops.mimesh.find_landmarks()
+    assert bpy.ops.mimesh.transfer() == {"FINISHED"}

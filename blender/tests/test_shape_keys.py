@@ -162,3 +162,10 @@ def test_a_copy_of_the_target_leaves_it_alone(scene, horse):
     assert target.data.shape_keys is None
     made = scene.mimesh.outcome.target
     assert made != target and made.data != target.data and key_names(made) == list(horse.poses)
+
+
+def test_half_a_mesh_is_said(scene, horse):
+    source, target = add_mesh("source", horse, with_poses=True), add_mesh("target", horse)
+    target.modifiers.new("Mirror", "MIRROR")
+    transfer(source, target)
+    assert [message.text.split(",")[0] for message in scene.mimesh.outcome.messages] == ["target is mirrored by a modifier"]
