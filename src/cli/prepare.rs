@@ -13,19 +13,8 @@ use {
 };
 
 use crate::cli::{
-<<<<<<< HEAD
-    CommandResult,
-    cache::CacheOptions,
-    help_commands,
-    progress::ProgressOptions,
-    run::{Overrides, threads},
-    shard_options::RunNames,
-    status::Status,
-    terminal,
-=======
-    CommandResult, cache::CacheOptions, help_commands, overrides::Overrides, progress::TerminalProgress, run::threads,
+    CommandResult, cache::CacheOptions, help_commands, overrides::Overrides, progress::ProgressOptions, run::threads,
     shard_options::RunNames, status::Status, terminal,
->>>>>>> shards
 };
 
 /// Computes the stages that run once, so that parts of a run find them in the cache.

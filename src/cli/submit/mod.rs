@@ -27,13 +27,8 @@ use self::{
     job::{Job, RunOfJob},
 };
 use crate::cli::{
-    CommandResult,
-    absolute_path::absolute,
-    out_file::write_all,
-    run::{Overrides, threads},
-    shard_options::RunNames,
-    status::Status,
-    terminal,
+    CommandResult, absolute_path::absolute, out_file::write_all, overrides::Overrides, run::threads,
+    shard_options::RunNames, status::Status, terminal,
 };
 
 /// The engines that files are written for.
