@@ -17,10 +17,10 @@ import mimesh.dask
 distributed = pytest.importorskip("distributed")
 
 PIPELINE = """
-source: { generator: { type: quadruped, proportions: horse, gait: gallop, resolution: 16, frames: 24 } }
+source: { generator: { type: quadruped, proportions: horse, gait: gallop, resolution: 20, frames: 24 } }
 targets:
-  camel: { generator: { type: quadruped, proportions: camel, resolution: 16 } }
-  odd name: { generator: { type: quadruped, proportions: camel, resolution: 18, seed: 3 } }
+  camel: { generator: { type: quadruped, proportions: camel, resolution: 20 } }
+  odd name: { generator: { type: quadruped, proportions: camel, resolution: 22, seed: 3 } }
 correspondence: { type: nonrigid_fit }
 transfer: { type: gradient }
 output: ["out/{target}/all.glb", "out/{target}/{pose}.obj"]
@@ -77,8 +77,10 @@ def test_a_killed_worker_loses_nothing(client: object, whole: tuple[Path, dict[s
 
 
 def test_what_is_wrong_is_raised_as_everywhere(client: object, tmp_path: Path) -> None:
-    (tmp_path / "p.yaml").write_text("source: { rest: none.obj }\ntarget: { rest: none.obj }\n")
-    with pytest.raises(mimesh.MissingInputError, match="none.obj"):
+    with pytest.raises(mimesh.MissingInputError, match="none.yaml"):
+        mimesh.dask.run(client, tmp_path / "none.yaml", cache=tmp_path / "cache")
+    (tmp_path / "p.yaml").write_text(PIPELINE.replace("gradient", "gradients"))
+    with pytest.raises(mimesh.BadPipelineError, match="gradient"):
         mimesh.dask.run(client, tmp_path / "p.yaml", cache=tmp_path / "cache")
     with pytest.raises(mimesh.UsageError, match="chunk"):
         mimesh.dask.run(client, tmp_path / "p.yaml", cache=tmp_path / "cache", chunk=0)
