@@ -115,3 +115,8 @@ def _coordinates(items: Any, count: int) -> Any:
     values = np.empty(3 * count, dtype=np.float32)
     items.foreach_get("co", values)
     return values.reshape(-1, 3).astype(np.float64)
+
+
+def generate(stage: Any) -> Any:
+    """The mesh of a generator that is written in Python, for the compiled part."""
+    return as_mesh(stage.generate())._data

@@ -7,26 +7,23 @@ import html
 import struct
 import zlib
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from . import _mimesh
 
-if TYPE_CHECKING:
-    from ._mesh import Mesh
-
 MAX_FRAMES = 24
 """Poses that an animation shows at most."""
 
 
-def pictures(mesh: Mesh, poses: Sequence[Any], view: str, up: str, size: int) -> list[bytes]:
+def pictures(mesh: _mimesh.MeshData, poses: Sequence[Any], view: str, up: str, size: int) -> list[bytes]:
     """A PNG of each pose, all seen from one place at one scale."""
     shown = [np.ascontiguousarray(pose, dtype=np.float64) for pose in poses]
-    return _mimesh.draw(mesh._data, shown, view, up, size)
+    return _mimesh.draw(mesh, shown, view, up, size)
 
 
-def animation(mesh: Mesh, poses: Sequence[Any], frames_per_second: float, view: str, up: str, size: int) -> bytes:
+def animation(mesh: _mimesh.MeshData, poses: Sequence[Any], frames_per_second: float, view: str, up: str, size: int) -> bytes:
     """A PNG that plays the poses over and over; browsers and notebooks show it as any picture."""
     return animated(pictures(mesh, poses, view, up, size), frames_per_second)
 

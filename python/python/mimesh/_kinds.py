@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _mimesh
-from ._mesh import Mesh, Positions, _positions
+from ._arrays import Positions, positions_of
+from ._mesh import Mesh
 from ._stages import Stage
 from ._surface import Link, Surface, TriangleMap, mesh_points, parts_of, point_of, surface_of, surface_parts
 
@@ -71,7 +72,7 @@ class Clusterer(Stage):
 
     def cluster(self, surface: Any, poses: Any, weights: Any) -> Any:
         """The region of each vertex of a `Surface`, by its poses and weights (#V × #H)."""
-        seen = [_positions(pose, "pose") for pose in poses]
+        seen = [positions_of(pose, "pose") for pose in poses]
         matrix = np.ascontiguousarray(weights, dtype=np.float64)
         return np.asarray(_mimesh.cluster(self._json(), surface_of(surface)._data, seen, matrix)[0])
 
@@ -90,7 +91,7 @@ class Deformer(Stage):
         matrix = np.ascontiguousarray(weights, dtype=np.float64)
         labels = [int(region) for region in regions]
         of = surface_of(surface)
-        return np.asarray(_mimesh.fit(self._json(), of._data, matrix, labels, _positions(posed, "posed"))[0])
+        return np.asarray(_mimesh.fit(self._json(), of._data, matrix, labels, positions_of(posed, "posed"))[0])
 
 
 class KeyPoints(Stage):
@@ -184,7 +185,7 @@ class Transfer(Stage):
         of_source, of_target = surface_of(source), surface_of(target)
         pairs = _pairs(source, target, of_source, of_target, markers)
         is_mesh = isinstance(source, Mesh)
-        seen = [np.asarray(of_source.from_mesh(pose)) if is_mesh else _positions(pose, "pose") for pose in poses]
+        seen = [np.asarray(of_source.from_mesh(pose)) if is_mesh else positions_of(pose, "pose") for pose in poses]
         near = None if proximity is None else proximity._json()
         along = None if map is None else map._data
         data = _mimesh.bind(self._json(), of_source._data, of_target._data, pairs, along, seen, near)
@@ -204,7 +205,7 @@ class BoundTransfer:
     def transfer(self, posed: ArrayLike) -> Positions:
         """The target's positions when the source is at ``posed``."""
         if not self._is_of_meshes:
-            return np.asarray(self._data.transfer(_positions(posed, "posed")))
+            return np.asarray(self._data.transfer(positions_of(posed, "posed")))
         moved = self._data.transfer(np.asarray(self._source.from_mesh(posed)))
         return self._target.to_mesh(np.asarray(moved))
 
@@ -249,8 +250,8 @@ class Metric(Stage):
 
     def measure(self, surface: Any, result: Any, truth: Any = None) -> Any:
         """The statistics of positions of a `Mesh`, with those that are right if they are known."""
-        known = None if truth is None else _positions(truth, "truth")
-        measured = _mimesh.measure(self._json(), surface._data, _positions(result, "result"), known)
+        known = None if truth is None else positions_of(truth, "truth")
+        measured = _mimesh.measure(self._json(), surface._data, positions_of(result, "result"), known)
         values: dict[str, float] = json.loads(measured)
         return values
 

@@ -6,20 +6,16 @@ import json
 import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Union
+from typing import Any, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _display, _mimesh
+from ._arrays import Positions, positions_of
 from ._errors import misuse
+from ._surface import Surface
 
-if TYPE_CHECKING:
-    from ._surface import Surface
-
-
-Positions = NDArray[np.float64]
-"""Positions of vertices, n × 3."""
 
 PosesLike = Union[ArrayLike, Mapping[str, Any], Sequence[Any]]
 """Poses: an array of p × n × 3, arrays or meshes in a list, or a mapping of names to them."""
@@ -44,7 +40,7 @@ class Mesh:
         Both are copied once, and the mesh keeps the copies.
         """
         corners, sizes = _polygons(faces)
-        self._data = _mimesh.MeshData(_positions(vertices, "vertices"), corners, sizes)
+        self._data = _mimesh.MeshData(positions_of(vertices, "vertices"), corners, sizes)
         self._views: dict[str, NDArray[Any]] = {}
         if poses is not None:
             self._data = _with_poses(self._data, poses)
@@ -82,8 +78,6 @@ class Mesh:
     @property
     def surface(self) -> Surface:
         """The surface that stages see."""
-        from ._surface import Surface
-
         return Surface(self)
 
     @property
@@ -109,7 +103,7 @@ class Mesh:
 
     def with_vertices(self, vertices: ArrayLike) -> Mesh:
         """The same polygons, with vertices elsewhere and without poses."""
-        return Mesh._of(self._data.with_vertices(_positions(vertices, "vertices")))
+        return Mesh._of(self._data.with_vertices(positions_of(vertices, "vertices")))
 
     @property
     def clips(self) -> tuple[str, ...]:
@@ -140,14 +134,14 @@ class Mesh:
         ``view`` is ``three_quarter``, ``front``, ``side`` or ``top``, and ``up`` the axis that points up, ``y`` or ``z``.
         """
         positions = self.vertices if pose is None else self.pose(pose)
-        return _display.pictures(self, [positions], view, up, size)[0]
+        return _display.pictures(self._data, [positions], view, up, size)[0]
 
     def animation(
         self, frames_per_second: float = 12.0, *, view: str = "three_quarter", up: str = "y", size: int = 320
     ) -> bytes:
         """A PNG that plays the poses, at most 24 of them; browsers and notebooks show it as any picture."""
         shown = [self.pose(i) for i in _display.evenly_spaced(len(self.poses))] or [self.vertices]
-        return _display.animation(self, shown, frames_per_second, view, up, size)
+        return _display.animation(self._data, shown, frames_per_second, view, up, size)
 
     def _repr_html_(self) -> str:
         return _display.as_html(self.picture(), repr(self)[1:-1])
@@ -180,14 +174,6 @@ def save(mesh: Mesh, path: str | os.PathLike[str]) -> list[Path]:
     return mesh.save(path)
 
 
-def _positions(values: Any, what: str) -> Positions:
-    """Values as an array that can be read in one go; it is copied only where it is none yet."""
-    array = np.ascontiguousarray(values, dtype=np.float64)
-    if array.ndim != 2 or array.shape[1] != 3:
-        raise misuse(f"{what}: expected an array of n × 3 numbers, found one of the shape {array.shape}")
-    return array
-
-
 def _polygons(faces: Any) -> tuple[NDArray[np.uint32], NDArray[np.uint32]]:
     """The corners of all polygons, and the number of corners of each."""
     if not isinstance(faces, np.ndarray):
@@ -214,7 +200,7 @@ def _polygons(faces: Any) -> tuple[NDArray[np.uint32], NDArray[np.uint32]]:
 
 def _with_poses(data: _mimesh.MeshData, poses: Any) -> _mimesh.MeshData:
     named = named_poses(poses)
-    arrays = [_positions(positions, f"pose {name}") for name, positions in named]
+    arrays = [positions_of(positions, f"pose {name}") for name, positions in named]
     return data.with_poses([name for name, _ in named], arrays)
 
 

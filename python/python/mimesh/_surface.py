@@ -4,18 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any, Union
+from typing import Any, Protocol, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _mimesh
-from ._mesh import Mesh, Positions, _positions
+from ._arrays import Positions, positions_of
 
 Point = Union[int, "tuple[int, tuple[float, float, float]]"]
 """A point of a surface or mesh: a vertex, or a triangle with barycentric coordinates of its corners."""
 
 _Parts = tuple[int, tuple[float, float, float] | None]
+
+
+class _HasMesh(Protocol):
+    """A `Mesh`."""
+
+    @property
+    def _data(self) -> _mimesh.MeshData: ...
 
 
 class Surface:
@@ -24,7 +31,7 @@ class Surface:
     Triangles have the numbers of `Mesh.faces`. Vertices have numbers of their own.
     """
 
-    def __init__(self, mesh: Mesh) -> None:
+    def __init__(self, mesh: _HasMesh) -> None:
         self._data = _mimesh.SurfaceData(mesh._data)
         self._views: dict[str, NDArray[Any]] = {}
 
@@ -81,11 +88,11 @@ class Surface:
 
     def from_mesh(self, positions: ArrayLike) -> Positions:
         """Positions of the surface, from those of the mesh."""
-        return np.asarray(self._data.from_mesh(_positions(positions, "positions")))
+        return np.asarray(self._data.from_mesh(positions_of(positions, "positions")))
 
     def to_mesh(self, positions: ArrayLike) -> Positions:
         """Positions of the mesh, from those of the surface."""
-        return np.asarray(self._data.to_mesh(_positions(positions, "positions")))
+        return np.asarray(self._data.to_mesh(positions_of(positions, "positions")))
 
     def __repr__(self) -> str:
         return f"<mimesh.Surface: {len(self.vertices)} vertices, {len(self.triangles)} triangles>"
@@ -127,7 +134,7 @@ class Link:
     """Pairs of vertices that keep together, closest first."""
 
 
-def surface_of(on: Mesh | Surface) -> Surface:
+def surface_of(on: _HasMesh | Surface) -> Surface:
     """The surface of a mesh, or itself."""
     return on if isinstance(on, Surface) else Surface(on)
 
@@ -200,12 +207,6 @@ def propose(stage: Any, source: Surface, target: Surface, markers: Any) -> list[
 
 def choose(stage: Any, surface: Surface, poses: list[Any], start: Any) -> list[_Parts]:
     return parts_of(stage.choose(surface, poses, [point_of(parts) for parts in start]))
-
-
-def generate(stage: Any) -> _mimesh.MeshData:
-    from ._convert import as_mesh
-
-    return as_mesh(stage.generate())._data
 
 
 def bind(stage: Any, source: Surface, target: Surface, map: _mimesh.MapData | None, markers: Any) -> Any:

@@ -12,10 +12,11 @@ from typing import Any, Literal
 import numpy as np
 
 from . import _display, _mimesh
+from ._arrays import Positions
 from ._convert import MeshLike, as_mesh
 from ._document import CacheLike, Document, job, text_of
 from ._errors import Diagnostic, diagnostics_of, misuse
-from ._mesh import Mesh, PosesLike, Positions
+from ._mesh import Mesh, PosesLike
 from ._progress import ProgressLike, reporter
 
 
@@ -67,7 +68,7 @@ class TransferResult:
     ) -> bytes:
         """A PNG that plays the poses, at most 24 of them; browsers and notebooks show it as any picture."""
         shown = [self.positions[i] for i in _display.evenly_spaced(len(self.poses))]
-        return _display.animation(self.target, shown, frames_per_second, view, up, size)
+        return _display.animation(self.target._data, shown, frames_per_second, view, up, size)
 
     def _repr_html_(self) -> str:
         return _display.as_html(self.animation(), repr(self)[1:-1])

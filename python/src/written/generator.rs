@@ -47,7 +47,7 @@ impl Generator for PythonGenerator {
 
     fn make(&self) -> Result<MeshSequence> {
         let mesh = self.written().call(|py, stage| {
-            let helper = py.import("mimesh._surface")?.getattr("generate")?;
+            let helper = py.import("mimesh._convert")?.getattr("generate")?;
             let made = helper.call1((stage,))?;
             let made = made.cast_into::<MeshData>().map_err(PyErr::from)?;
             Ok(made.get().sequence.clone())
