@@ -7,7 +7,7 @@ use std::{
 };
 
 /// The crates that each crate of ours may stand on; cargo itself refuses circles.
-const ARROWS: [(&str, &[&str]); 9] = [
+const ARROWS: [(&str, &[&str]); 10] = [
     ("core", &[]),
     ("document", &[]),
     ("render", &[]),
@@ -17,13 +17,14 @@ const ARROWS: [(&str, &[&str]); 9] = [
     ("studio", &["core", "document", "markers", "pipeline", "web"]),
     ("plugins", &["core"]),
     ("mimesh", &["core", "document", "markers", "pipeline", "render", "studio", "web", "plugins"]),
+    ("python", &["core", "document", "markers", "pipeline", "render", "mimesh"]),
 ];
 
 /// Crates of others that belong to a command line, which only the program may use.
 const COMMAND_LINE: [&str; 6] = ["open", "clap", "clap_complete", "ctrlc", "indicatif", "terminal_size"];
 
 /// Subcommands of the program; `mimesh cache` is also how a cached result begins.
-const SUBCOMMANDS: [&str; 16] = [
+const SUBCOMMANDS: [&str; 17] = [
     "check",
     "compare",
     "inspect",
@@ -39,6 +40,7 @@ const SUBCOMMANDS: [&str; 16] = [
     "schema",
     "score",
     "show",
+    "submit",
     "studio",
 ];
 
@@ -48,7 +50,7 @@ fn root() -> &'static Path {
 
 /// The folders of our crates, with the name of their group in [`ARROWS`].
 fn crates() -> Vec<(String, PathBuf)> {
-    let mut all = vec![("mimesh".to_owned(), root().to_owned())];
+    let mut all = vec![("mimesh".to_owned(), root().to_owned()), ("python".to_owned(), root().join("python"))];
     for folder in ["crates", "plugins"] {
         for entry in fs::read_dir(root().join(folder)).expect("a folder of the layout") {
             let path = entry.expect("a readable folder").path();
@@ -87,7 +89,8 @@ fn crates_stand_only_on_those_below_them() {
                 "{} uses {dependency}, which belongs to the program",
                 folder.display()
             );
-            let Some(ours) = dependency.strip_prefix("mimesh-") else { continue };
+            let ours = if dependency == "mimesh" { Some("mimesh") } else { dependency.strip_prefix("mimesh-") };
+            let Some(ours) = ours else { continue };
             let below = if plugins.contains(ours) { "plugins" } else { ours };
             assert!(allowed.contains(&below), "{} must not stand on mimesh-{ours}", folder.display());
         }

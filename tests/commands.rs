@@ -50,7 +50,7 @@ fn list_and_show_cover_every_registered_plugin() {
     let listed = json(&project.mimesh(&["list", "--json"]).stdout);
     assert_eq!(listed.as_array().unwrap().len(), plugin::all().len());
     for plugin in plugin::all() {
-        let name = (plugin.name)();
+        let name = plugin.name();
         assert!(list.contains(&format!("\n  {name} ")), "{name} is not listed");
         let shown = project.mimesh(&["show", plugin.stage, name]);
         assert_eq!(shown.status, 0);
@@ -86,7 +86,7 @@ fn the_schema_has_every_stage_with_its_types() {
     assert_eq!(schema["$schema"], "https://json-schema.org/draft/2020-12/schema");
     assert_eq!(schema["additionalProperties"], false);
     for plugin in plugin::all() {
-        assert!(text.contains(&format!("\"const\": \"{}\"", (plugin.name)())), "{} is missing", (plugin.name)());
+        assert!(text.contains(&format!("\"const\": \"{}\"", plugin.name())), "{} is missing", plugin.name());
     }
 }
 
@@ -160,4 +160,17 @@ fn wrong_usage_ends_with_2_and_help_with_0() {
     let version = project.mimesh(&["--version"]);
     assert_eq!(version.stdout, format!("mimesh {}\n", env!("CARGO_PKG_VERSION")));
     assert!(project.mimesh(&["completions", "bash"]).stdout.contains("_mimesh"));
+}
+
+#[test]
+fn stages_in_python_need_the_package_for_python() {
+    let project = Project::new();
+    for arguments in [&["list", "--python", "stages.py"][..], &["--python", "stages.py", "run", "p.yaml"]] {
+        let output = project.mimesh(arguments);
+        assert_eq!(output.status, 2);
+        let told = "error: --python stages.py: this program has no Python";
+        assert!(output.stderr.contains(told), "{}", output.stderr);
+        assert!(output.stderr.contains("`pip install mimesh`"), "{}", output.stderr);
+    }
+    assert!(!project.has("out"));
 }

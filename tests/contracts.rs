@@ -40,10 +40,10 @@ fn every_stage_of_the_plugins_is_linked_and_no_name_is_taken_twice() {
         in_sources.extend(names);
     }
     in_sources.sort();
-    let mut linked: Vec<String> = plugin::all().into_iter().map(|plugin| (plugin.name)().to_owned()).collect();
+    let mut linked: Vec<String> = plugin::all().into_iter().map(|plugin| plugin.name().to_owned()).collect();
     linked.sort();
     assert_eq!(linked, in_sources);
-    let distinct: BTreeSet<_> = plugin::all().into_iter().map(|plugin| (plugin.stage, (plugin.name)())).collect();
+    let distinct: BTreeSet<_> = plugin::all().into_iter().map(|plugin| (plugin.stage, plugin.name())).collect();
     assert_eq!(distinct.len(), linked.len());
 }
 
@@ -52,7 +52,7 @@ fn every_stage_of_the_plugins_is_linked_and_no_name_is_taken_twice() {
 fn every_stage_keeps_its_contract() {
     let mut kinds = BTreeSet::new();
     for plugin in plugin::all() {
-        let name = (plugin.name)();
+        let name = plugin.name();
         if GIVEN_BY_USER.contains(&(plugin.stage, name)) {
             contracts::described(plugin);
         } else {

@@ -18,6 +18,9 @@ pub const CURRENT: &str = "findings/current";
 /// Outcomes are alike if they begin with the same words.
 const WORDS: usize = 10;
 
+/// The most files that runs begin from: outcomes of some readers repeat words of the file, of which there is no end.
+const MAX_CORPUS: usize = 2000;
+
 /// What came of some time.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Tally {
@@ -60,7 +63,7 @@ pub fn fuzz(target: &Target, time: Duration, seed: u64) -> io::Result<Tally> {
         let is_seed = tally.runs < seed_count;
         tally.runs += 1;
         match limits::run(target, &bytes) {
-            Ok(outcome) if outcomes.insert(kind(&outcome)) || is_seed => {
+            Ok(outcome) if (all.len() < MAX_CORPUS && outcomes.insert(kind(&outcome))) || is_seed => {
                 if path.is_none() && !is_seed {
                     corpus::put("grown", target.name, &bytes)?;
                 }

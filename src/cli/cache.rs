@@ -1,6 +1,6 @@
 //! `mimesh cache`, and the options of the cache that several commands have.
 
-use std::path::PathBuf;
+use std::{path::PathBuf, sync::OnceLock};
 
 use mimesh_document::{Diagnostic, Kind, diagnostic, files::hash_file};
 use mimesh_markers::IntoDiagnostic;
@@ -116,10 +116,24 @@ impl CacheCommand {
     }
 }
 
-/// The identity of this program for the cache: the hash of its own file.
+/// What gives the identity of the program around the command line, if that is another one.
+static IDENTITY: OnceLock<fn() -> diagnostic::Result<String>> = OnceLock::new();
+
+/// Takes `identity` for that of the program.
+pub(super) fn set_identity(identity: Option<fn() -> diagnostic::Result<String>>) {
+    if let Some(identity) = identity {
+        // A process has one command line.
+        let _ = IDENTITY.set(identity);
+    }
+}
+
+/// The identity of this program for the cache: the hash of its own file, or what the program around it says.
 ///
 /// An edited stage changes the hash, so that its results are computed anew even if its version stays.
 fn program() -> diagnostic::Result<String> {
+    if let Some(identity) = IDENTITY.get() {
+        return identity();
+    }
     let hash = std::env::current_exe().and_then(|file| hash_file(&file));
     hash.map_err(|error| {
         let message = format!("the program cannot read its own file, whose hash the cache needs: {error}");

@@ -39,5 +39,10 @@ pub fn argument(path: &Path) -> String {
 /// An argument of a shell, in quotes if the shell would change it.
 pub fn quoted(argument: &str) -> String {
     let is_plain = |c: char| c.is_alphanumeric() || "._-=/,:…".contains(c);
-    if argument.chars().all(is_plain) { argument.into() } else { format!("'{argument}'") }
+    if !argument.is_empty() && argument.chars().all(is_plain) { argument.into() } else { in_quotes(argument) }
+}
+
+/// A word of a shell that stands for `text` and nothing else.
+pub fn in_quotes(text: &str) -> String {
+    format!("'{}'", text.replace('\'', r"'\''"))
 }

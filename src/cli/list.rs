@@ -27,7 +27,7 @@ impl List {
         if self.json {
             let item = |plugin: &&mimesh_core::Plugin| {
                 let description = first_sentence(&description(plugin));
-                json!({ "stage": plugin.stage, "type": (plugin.name)(), "description": description })
+                json!({ "stage": plugin.stage, "type": plugin.name(), "description": description })
             };
             terminal::print_json(&plugins.iter().map(item).collect::<Vec<Value>>());
             return Ok(Status::Done);
@@ -35,7 +35,7 @@ impl List {
         let mut text = String::new();
         for stage in plugins.chunk_by(|a, b| a.stage == b.stage) {
             text += &format!("{}{}\n", if text.is_empty() { "" } else { "\n" }, stage[0].stage);
-            let rows = stage.iter().map(|plugin| ((plugin.name)().to_owned(), first_sentence(&description(plugin))));
+            let rows = stage.iter().map(|plugin| (plugin.name().to_owned(), first_sentence(&description(plugin))));
             text += &pairs(&rows.collect::<Vec<_>>());
         }
         text += "\n`mimesh show STAGE TYPE` explains the settings of one.\n";

@@ -2,16 +2,28 @@
 
 use std::fs;
 
-use mimesh_core::memory;
+use mimesh_core::memory::{self, Limit};
 
 /// The environment variable that takes the place of the option.
 pub const VARIABLE: &str = "MIMESH_MEMORY";
 
 /// Lets the process have `bytes`, or what the machine lets it have.
 pub fn set(bytes: Option<u64>) {
-    if let Some(bytes) = bytes.or_else(of_the_machine) {
-        memory::set_limit(bytes, used);
-    }
+    let resident = bytes.or_else(of_the_machine).map(|bytes| Limit { bytes, used: resident });
+    // What the user's shell allows is told of addresses, of which a process has more than it uses.
+    let addresses = of_the_shell().map(|bytes| Limit { bytes, used: addresses });
+    memory::set_limits(resident.into_iter().chain(addresses).collect());
+}
+
+/// Lets the process have what the environment says, else what the machine lets it have: for programs without a command line.
+///
+/// # Errors
+///
+/// The words of what is wrong with the variable of the environment.
+pub fn set_from_environment() -> Result<(), String> {
+    let given = std::env::var(VARIABLE).ok().filter(|text| !text.is_empty());
+    set(given.as_deref().map(size).transpose().map_err(|wrong| format!("{VARIABLE}: {wrong}"))?);
+    Ok(())
 }
 
 /// Parses a size as `8G`, `1.5GiB`, `500M` or `2000000`; units are powers of 1024.
@@ -33,24 +45,31 @@ pub fn size(text: &str) -> Result<u64, String> {
     }
 }
 
-/// What the process has now; known on Linux only.
-fn used() -> Option<u64> {
-    let status = fs::read_to_string("/proc/self/status").ok()?;
-    in_kilobytes(&status, "VmRSS:")
+/// The memory that the process has now; known on Linux only.
+fn resident() -> Option<u64> {
+    in_kilobytes(&fs::read_to_string("/proc/self/status").ok()?, "VmRSS:")
 }
 
-/// The least of the memory of the machine, of the container, and of what the user's shell allows; known on Linux only.
+/// The addresses that the process has now; known on Linux only.
+fn addresses() -> Option<u64> {
+    in_kilobytes(&fs::read_to_string("/proc/self/status").ok()?, "VmSize:")
+}
+
+/// The lesser of the memory of the machine and of the container; known on Linux only.
 fn of_the_machine() -> Option<u64> {
     let read = |path: &str| fs::read_to_string(path).ok();
     let machine = read("/proc/meminfo").and_then(|text| in_kilobytes(&text, "MemTotal:"));
     let number = |text: String| text.trim().parse().ok();
     let containers = ["/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes"];
     let container = containers.into_iter().find_map(|path| read(path).and_then(number));
-    let shell = read("/proc/self/limits").and_then(|text| {
-        let line = text.lines().find_map(|line| line.strip_prefix("Max address space"))?;
-        line.split_whitespace().next()?.parse().ok()
-    });
-    [machine, container, shell].into_iter().flatten().min()
+    [machine, container].into_iter().flatten().min()
+}
+
+/// The addresses that the user's shell allows, by `ulimit -v`; known on Linux only.
+fn of_the_shell() -> Option<u64> {
+    let text = fs::read_to_string("/proc/self/limits").ok()?;
+    let line = text.lines().find_map(|line| line.strip_prefix("Max address space"))?;
+    line.split_whitespace().next()?.parse().ok()
 }
 
 /// The value of a field such as `VmRSS:   12 kB`, in bytes.
@@ -76,6 +95,6 @@ mod tests {
     #[test]
     fn fields_are_found_in_what_the_system_tells() {
         assert_eq!(in_kilobytes("VmPeak: 9 kB\nVmRSS:\t  12 kB\n", "VmRSS:"), Some(12 * 1024));
-        assert!(!cfg!(target_os = "linux") || used().is_some() && of_the_machine().is_some());
+        assert!(!cfg!(target_os = "linux") || resident() < addresses() && of_the_machine().is_some());
     }
 }

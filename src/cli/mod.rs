@@ -1,5 +1,6 @@
 //! The command line: one file for each subcommand. Results go to stdout, everything else to stderr.
 
+mod absolute_path;
 mod cache;
 mod check;
 mod choice;
@@ -8,6 +9,7 @@ mod completions;
 mod components;
 mod flags;
 mod help_commands;
+mod host;
 mod inspect;
 mod keypoints;
 mod list;
@@ -16,6 +18,7 @@ mod memory;
 mod merge;
 mod mesh_pair;
 mod new;
+mod openjd_progress;
 mod out_file;
 mod overrides;
 mod plan;
@@ -37,16 +40,18 @@ mod signals;
 mod status;
 #[cfg(feature = "studio")]
 mod studio;
+mod submit;
 mod summary;
 mod terminal;
 mod transfer;
 
-use std::process::ExitCode;
+use std::{path::PathBuf, process::ExitCode};
 
 use clap::{CommandFactory, Parser, Subcommand, error::ErrorKind};
 use mimesh_document::{Diagnostic, Kind, diagnostic};
 use mimesh_pipeline::input::ViewScript;
 
+pub use self::{host::Host, memory::set_from_environment as set_memory_limit};
 use crate::cli::status::Status;
 
 /// Deformation transfer between triangle meshes: a target takes the poses of a source.
@@ -69,6 +74,9 @@ struct Cli {
     /// The most memory to take, e.g. 8G: work that needs more is refused with a number [default: what the machine has]
     #[arg(long, global = true, value_name = "SIZE", env = memory::VARIABLE, hide_env_values = true, value_parser = memory::size)]
     memory: Option<u64>,
+    /// A file of stages written in Python, which pipelines may then name; no pipeline can ask for it
+    #[arg(long, global = true, value_name = "FILE")]
+    python: Vec<PathBuf>,
     #[command(subcommand)]
     command: Command,
 }
@@ -84,6 +92,7 @@ enum Command {
     Plan(plan::PlanCommand),
     Prepare(prepare::Prepare),
     Merge(merge::MergeCommand),
+    Submit(submit::Submit),
     #[command(name = "keypoints")]
     KeyPoints(keypoints::KeyPoints),
     Markers(markers::Markers),
@@ -100,8 +109,8 @@ enum Command {
 }
 
 /// Which argument is no Unicode; only names of files may be none.
-fn not_unicode() -> Diagnostic {
-    let arguments = std::env::args_os().skip(1).filter(|argument| argument.to_str().is_none());
+fn not_unicode(host: &Host) -> Diagnostic {
+    let arguments = host.arguments.iter().skip(1).filter(|argument| argument.to_str().is_none());
     let mut named: Vec<String> = arguments.map(|argument| format!("`{}`", argument.to_string_lossy())).collect();
     if named.is_empty() {
         named.push(format!("the environment variable {}", memory::VARIABLE));
@@ -115,25 +124,36 @@ fn not_unicode() -> Diagnostic {
 /// A program with its own stages calls this function too. It gets every command, and its own stages beside the
 /// bundled ones.
 pub fn main() -> ExitCode {
+    ExitCode::from(run(&Host::of_process()))
+}
+
+/// Runs the command line for `host` and returns its exit status.
+pub fn run(host: &Host) -> u8 {
     signals::hold_file_size_limit();
-    let cli = match Cli::try_parse() {
+    cache::set_identity(host.identity);
+    ended_with(run_command(host)) as u8
+}
+
+/// The status of the command that the arguments of `host` name.
+fn run_command(host: &Host) -> Status {
+    let cli = match Cli::try_parse_from(&host.arguments) {
         Ok(cli) => cli,
         Err(error) if error.kind() == ErrorKind::InvalidUtf8 => {
-            terminal::report_one(&not_unicode());
-            return Status::Usage.into();
+            terminal::report_one(&not_unicode(host));
+            return Status::Usage;
         }
         Err(error) => {
             let printed = error.print();
             if error.use_stderr() {
-                return Status::Usage.into();
+                return Status::Usage;
             }
             // Help and version go to stdout.
             terminal::note(printed);
-            return ended_with(Status::Done).into();
+            return Status::Done;
         }
     };
     memory::set(cli.memory);
-    let result = match cli.command {
+    let result = cli.python.iter().try_for_each(|file| host.load(file)).and_then(|()| match cli.command {
         Command::Transfer(command) => command.run(),
         #[cfg(feature = "studio")]
         Command::Studio(command) => command.run(),
@@ -142,6 +162,7 @@ pub fn main() -> ExitCode {
         Command::Plan(command) => command.run(),
         Command::Prepare(command) => command.run(),
         Command::Merge(command) => command.run(),
+        Command::Submit(command) => command.run(),
         Command::KeyPoints(command) => command.run(),
         Command::Markers(command) => command.run(),
         Command::List(command) => command.run(),
@@ -154,15 +175,14 @@ pub fn main() -> ExitCode {
         Command::Cache(command) => command.run(),
         Command::New(command) => command.run(),
         Command::Completions(command) => command.run(Cli::command()),
-    };
-    let status = match result {
+    });
+    match result {
         Ok(status) => status,
         Err(failure) => {
             terminal::report(&failure);
             failure.kind().into()
         }
-    };
-    ended_with(status).into()
+    }
 }
 
 /// The status of a command that ends with `status`: what it could not print comes first, since nobody can know the result.
@@ -180,6 +200,6 @@ fn ended_with(status: Status) -> Status {
 type CommandResult = diagnostic::Result<Status>;
 
 /// The script of the 3D view that reports may have.
-fn view_script() -> ViewScript {
+pub fn view_script() -> ViewScript {
     ViewScript { text: mimesh_web::report_viewer(), hint: mimesh_web::HOW_TO_BUILD.into() }
 }

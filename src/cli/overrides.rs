@@ -2,9 +2,10 @@
 
 use std::path::PathBuf;
 
+use mimesh_document::diagnostic::Result;
 use mimesh_pipeline::Options;
 
-use crate::cli::{roots::Roots, view_script};
+use crate::cli::{absolute_path::absolute, roots::Roots, view_script};
 
 /// The options that change a pipeline without its file.
 #[derive(Debug, clap::Args)]
@@ -28,6 +29,22 @@ impl Overrides {
         self.out.iter().for_each(|out| add("--out", out.display().to_string()));
         self.roots.folders().iter().for_each(|folder| add("--root", folder.display().to_string()));
         arguments
+    }
+
+    /// The options for a command that may run in another folder.
+    ///
+    /// # Errors
+    ///
+    /// A diagnostic for a path that is no Unicode.
+    pub fn absolute_arguments(&self) -> Result<Vec<String>> {
+        let folders = self.out.iter().map(|out| ("--out", out));
+        let roots = self.roots.folders();
+        let folders = folders.chain(roots.iter().map(|folder| ("--root", folder)));
+        let mut arguments: Vec<String> = self.settings.iter().flat_map(|set| ["--set".into(), set.clone()]).collect();
+        for (option, folder) in folders {
+            arguments.extend([option.to_owned(), absolute(folder)?]);
+        }
+        Ok(arguments)
     }
 
     /// The same as options of the pipeline crate.

@@ -13,7 +13,7 @@ use {
 };
 
 use crate::cli::{
-    CommandResult, cache::CacheOptions, help_commands, overrides::Overrides, progress::TerminalProgress, run::threads,
+    CommandResult, cache::CacheOptions, help_commands, overrides::Overrides, progress::ProgressOptions, run::threads,
     shard_options::RunNames, status::Status, terminal,
 };
 
@@ -44,11 +44,13 @@ pub struct Prepare {
     #[arg(long, value_name = "N", value_parser = threads)]
     threads: Option<u16>,
     /// Print what is ready as JSON
-    #[arg(long)]
+    #[arg(long, conflicts_with = "progress")]
     json: bool,
     /// Print errors only
     #[arg(long, short)]
     quiet: bool,
+    #[command(flatten)]
+    progress: ProgressOptions,
     /// Let stages run programs that the pipeline names
     #[arg(long)]
     allow_commands: bool,
@@ -64,7 +66,7 @@ impl Prepare {
         let all = pipeline::prepare_all(&self.pipeline, &options, Some(&cache))?;
         let mut ready = Vec::new();
         for (i, run) in all.iter().enumerate() {
-            let progress = TerminalProgress::new(self.quiet);
+            let progress = self.progress.begin(self.quiet);
             if all.len() > 1 {
                 progress.stage(&format!("{} ({} of {})", run.variant.name, i + 1, all.len()));
             }

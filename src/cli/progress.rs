@@ -7,16 +7,53 @@ use std::{
     time::{Duration, Instant},
 };
 
+use clap::ValueEnum;
 use indicatif::{ProgressBar, ProgressState, ProgressStyle};
 use mimesh_pipeline::{Progress, progress::TimeLeft, text};
 
-use crate::cli::terminal::{self, is_interactive};
+use crate::cli::{
+    openjd_progress::OpenJdProgress,
+    terminal::{self, is_interactive},
+};
 
 /// The shortest time between two plain lines on what is under way.
 const PLAIN_INTERVAL: Duration = Duration::from_secs(10);
 
 /// The length of a bar of shares.
 const WHOLE: u64 = 1000;
+
+/// The option that says who is told of progress.
+#[derive(Clone, Copy, Debug, clap::Args)]
+pub struct ProgressOptions {
+    /// Who is told of progress: people on stderr, or an engine of Open Job Description on stdout [default: auto]
+    #[arg(
+        long,
+        value_name = "READER",
+        value_enum,
+        default_value_t,
+        hide_default_value = true,
+        hide_possible_values = true
+    )]
+    progress: Told,
+}
+
+impl ProgressOptions {
+    /// Begins to show progress.
+    pub fn begin(self, quiet: bool) -> TerminalProgress {
+        TerminalProgress::new(self.progress, quiet)
+    }
+}
+
+/// Who is told of progress.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Told {
+    /// People, on stderr
+    #[default]
+    Auto,
+    /// An engine of Open Job Description, by lines on stdout
+    #[value(name = "openjd")]
+    OpenJd,
+}
 
 /// Shows the progress of a run.
 pub struct TerminalProgress {
@@ -31,6 +68,8 @@ enum Style {
     Bar(ShareBar),
     /// Prints lines, where there is no terminal.
     Plain(Mutex<Plain>),
+    /// Prints lines for an engine that runs jobs.
+    OpenJd(OpenJdProgress),
     /// Shows nothing, with `--quiet`.
     Silent,
 }
@@ -48,9 +87,11 @@ pub struct Plain {
 }
 
 impl TerminalProgress {
-    /// Creates the kind that fits stderr.
-    pub fn new(quiet: bool) -> Self {
-        let style = if quiet {
+    /// Creates the kind that is asked for.
+    pub fn new(told: Told, quiet: bool) -> Self {
+        let style = if told == Told::OpenJd {
+            Style::OpenJd(OpenJdProgress::default())
+        } else if quiet {
             Style::Silent
         } else if is_interactive() {
             Style::Bar(ShareBar::new())
@@ -67,8 +108,10 @@ impl TerminalProgress {
 
     /// Removes the bar from the terminal.
     pub fn finish(&self) {
-        if let Style::Bar(bar) = &self.style {
-            bar.finish();
+        match &self.style {
+            Style::Bar(bar) => bar.finish(),
+            Style::OpenJd(lines) => lines.finish(),
+            Style::Plain(_) | Style::Silent => {}
         }
     }
 }
@@ -83,6 +126,7 @@ impl Progress for TerminalProgress {
                     *plain = Plain { stage: name.into(), count: 0, done: 0, last_line: Instant::now() };
                 }
             }
+            Style::OpenJd(lines) => lines.stage(name),
             Style::Silent => {}
         }
     }
@@ -95,6 +139,7 @@ impl Progress for TerminalProgress {
                     plain.line(|plain| format!("{}: {:.0} %", plain.stage, 100.0 * share));
                 }
             }
+            Style::OpenJd(lines) => lines.share(share),
             Style::Silent => {}
         }
     }
@@ -108,6 +153,7 @@ impl Progress for TerminalProgress {
                     *plain = Plain { stage: "poses".into(), count, done: 0, last_line: Instant::now() };
                 }
             }
+            Style::OpenJd(lines) => lines.poses(count),
             Style::Silent => {}
         }
     }
@@ -123,6 +169,7 @@ impl Progress for TerminalProgress {
                     }
                 }
             }
+            Style::OpenJd(lines) => lines.pose_done(),
             Style::Silent => {}
         }
     }
@@ -131,6 +178,8 @@ impl Progress for TerminalProgress {
         match &self.style {
             Style::Bar(bar) => bar.bar.suspend(|| terminal::warn(text)),
             Style::Plain(_) => terminal::warn(text),
+            // What an engine shows of a job is for warnings too.
+            Style::OpenJd(lines) => lines.warning(text),
             Style::Silent => return,
         }
         self.warned.lock().unwrap_or_else(PoisonError::into_inner).push(text.into());

@@ -37,7 +37,7 @@ fn kind_in_slot(slot: &str) -> Option<&'static str> {
 /// A diagnostic if there is none; its hint proposes the nearest name.
 pub fn find(stage: &str, name: &str) -> Result<&'static Plugin> {
     check_stage(stage)?;
-    let found = plugin::all().into_iter().find(|plugin| plugin.stage == stage && (plugin.name)() == name);
+    let found = plugin::all().into_iter().find(|plugin| plugin.stage == stage && plugin.name() == name);
     found.ok_or_else(|| {
         let types = types(stage).into_iter().map(str::to_owned).collect();
         let unknown = unknown_type(&Variants { kind: stage.into(), types }, name);

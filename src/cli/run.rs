@@ -24,7 +24,7 @@ use crate::cli::{
     help_commands,
     overrides::Overrides,
     profile::Profiler,
-    progress::TerminalProgress,
+    progress::{ProgressOptions, TerminalProgress},
     results_file::ResultsFile,
     saved_pipeline::SavedPipeline,
     shard_options::{self, RunNames, ShardOptions},
@@ -82,11 +82,13 @@ pub struct Execution {
     #[arg(long, value_name = "N", value_parser = threads)]
     threads: Option<u16>,
     /// Print the report as JSON instead of the summary: run.json, or the table of several runs with their reports
-    #[arg(long)]
+    #[arg(long, conflicts_with = "progress")]
     json: bool,
     /// Print errors only
     #[arg(long, short)]
     quiet: bool,
+    #[command(flatten)]
+    progress: ProgressOptions,
     /// Also show where the time went, and write a trace to open at ui.perfetto.dev [default: profile.json, beside the report]
     #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true)]
     profile: Option<Option<PathBuf>>,
@@ -183,7 +185,7 @@ impl Execution {
         let mut results = Results { pipeline: file.into(), rows: vec![] };
         for (i, prepared) in all.iter().enumerate() {
             let started = Instant::now();
-            let progress = TerminalProgress::new(self.quiet);
+            let progress = self.progress.begin(self.quiet);
             if all.len() > 1 {
                 progress.stage(&format!("{} ({} of {})", prepared.variant.name, i + 1, all.len()));
             }

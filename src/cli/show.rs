@@ -30,10 +30,10 @@ impl Show {
     /// Runs the command.
     pub fn run(&self) -> CommandResult {
         let plugin = registry::find(&self.stage, &self.name)?;
-        let defaults = (plugin.settings)();
+        let defaults = plugin.settings();
         if self.json {
             terminal::print_json(&json!({
-                "stage": plugin.stage, "type": (plugin.name)(), "description": description(plugin),
+                "stage": plugin.stage, "type": plugin.name(), "description": description(plugin),
                 "schema": inlined_settings_schema(plugin), "defaults": defaults,
             }));
         } else {
@@ -45,7 +45,7 @@ impl Show {
 
 /// The description, the settings and the example of an implementation.
 fn page(plugin: &Plugin, schema: &Value, defaults: &Value) -> String {
-    let name = (plugin.name)();
+    let name = plugin.name();
     let mut text = format!("{} {name}\n\n{}\n", plugin.stage, description(plugin).trim());
     text += &statistics(plugin);
     let required = required(schema);
@@ -73,10 +73,10 @@ fn required(schema: &Value) -> Vec<&str> {
 /// The statistics of a metric with units, gates and limits, and when it is measured; empty for other stages.
 fn statistics(plugin: &Plugin) -> String {
     let metric = Some(plugin).filter(|plugin| plugin.stage == "metric");
-    let Some(metric) = metric.and_then(|plugin| plugin::instance::<dyn Metric>((plugin.name)())) else {
+    let Some(metric) = metric.and_then(|plugin| plugin::instance::<dyn Metric>(plugin.name())) else {
         return String::new();
     };
-    let name = (plugin.name)();
+    let name = plugin.name();
     let row = |(i, statistic): (usize, &Statistic)| {
         let Statistic { name: key, title, unit, limits, meaning, .. } = statistic;
         let title = if title.is_empty() { String::new() } else { format!("\nin verdicts: {title}") };
@@ -136,8 +136,8 @@ fn in_yaml(node: SchemaNode<'_>, value: &Value) -> String {
     let (Some(stage), Some(name), Some(entries)) = (node.stage(), name, value.as_object()) else {
         return value.to_string();
     };
-    let plugin = plugin::all().into_iter().find(|plugin| plugin.stage == stage && (plugin.name)() == name);
-    let defaults = plugin.map(|plugin| (plugin.settings)()).unwrap_or_default();
+    let plugin = plugin::all().into_iter().find(|plugin| plugin.stage == stage && plugin.name() == name);
+    let defaults = plugin.map(|plugin| plugin.settings()).unwrap_or_default();
     let settings = node.variant(name).map(|settings| settings.properties(None)).unwrap_or_default();
     let mut text = format!("{{ type: {name}");
     for (key, value) in entries.iter().filter(|(key, value)| *key != "type" && defaults.get(key) != Some(value)) {
@@ -201,7 +201,7 @@ fn kind_word(name: &str) -> &'static str {
 /// An example of the stage in a pipeline, with all its defaults.
 fn example(plugin: &Plugin, node: SchemaNode<'_>, required: &[&str], defaults: Option<&Map<String, Value>>) -> String {
     let settings = node.properties(None);
-    let mut lines = vec![format!("type: {}", (plugin.name)())];
+    let mut lines = vec![format!("type: {}", plugin.name())];
     for (key, value) in defaults.into_iter().flatten().filter(|(_, value)| !value.is_null()) {
         let inner = settings.iter().find(|(name, _)| name == key);
         lines.push(match value {

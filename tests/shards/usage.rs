@@ -52,7 +52,8 @@ fn without_the_cache_a_part_may_write_files_of_one_pose_and_no_more() {
     mimesh(&files, "run", &["--frames", "0", "--no-cache"], 0);
     assert_eq!(files.names("out"), ["1.obj"]);
     let cached = mimesh(&files, "run", &["--frames", "0-1", "--warm", "2", "--set", "transfer.type=gradient"], 0);
-    let left = "`mimesh merge p.yaml --warm 2 --set transfer.type=gradient` writes out/run.json when all poses are computed";
+    let left =
+        "`mimesh merge p.yaml --warm 2 --set transfer.type=gradient` writes out/run.json when all poses are computed";
     assert!(cached.stderr.contains(left), "{}", cached.stderr);
     let all = project(GALLOP);
     let refused = mimesh(&all, "run", &["--shard", "0/2", "--no-cache"], 2);

@@ -1,6 +1,6 @@
 //! How much memory the process may take: what needs much of it asks before it allocates.
 //!
-//! The program around the library sets the limit and says how much is in use, by [`set_limit`]; without one, all is granted. What is
+//! The program around the library sets limits and says how much is in use, by [`set_limits`]; without one, all is granted. What is
 //! asked for is not counted afterwards: the system knows what is in use.
 
 use std::sync::{PoisonError, RwLock};
@@ -10,18 +10,20 @@ use crate::{Error, Result};
 /// Less than this is not asked for, so that small work pays nothing.
 const SMALL: u64 = 1 << 20;
 
-/// What the program around the library said.
-#[derive(Clone, Copy)]
-struct Limit {
-    bytes: u64,
-    used: fn() -> Option<u64>,
+/// A limit on what the process has.
+#[derive(Clone, Copy, Debug)]
+pub struct Limit {
+    /// The most that the process may have, in bytes.
+    pub bytes: u64,
+    /// What counts for this limit and is in use now, if the system tells.
+    pub used: fn() -> Option<u64>,
 }
 
-static LIMIT: RwLock<Option<Limit>> = RwLock::new(None);
+static LIMITS: RwLock<Vec<Limit>> = RwLock::new(Vec::new());
 
-/// Lets the process have `bytes` of memory; `used` says how much it has now, if the system tells.
-pub fn set_limit(bytes: u64, used: fn() -> Option<u64>) {
-    *LIMIT.write().unwrap_or_else(PoisonError::into_inner) = Some(Limit { bytes, used });
+/// Holds the process to all of `limits`, in place of those before.
+pub fn set_limits(limits: Vec<Limit>) {
+    *LIMITS.write().unwrap_or_else(PoisonError::into_inner) = limits;
 }
 
 /// Asks for `bytes` that `what`, in words, will have at once beside what is in use.
@@ -30,19 +32,16 @@ pub fn set_limit(bytes: u64, used: fn() -> Option<u64>) {
 ///
 /// [`Error::Memory`] if that is more than the process may have.
 pub fn need(what: impl Into<String>, bytes: u64) -> Result<()> {
-    let limit = *LIMIT.read().unwrap_or_else(PoisonError::into_inner);
-    match limit {
-        Some(limit) if bytes >= SMALL => {
-            let used = (limit.used)().unwrap_or(0);
-            fits(bytes, used, limit.bytes).then_some(()).ok_or_else(|| Error::Memory {
-                what: what.into(),
-                needed: bytes,
-                used,
-                limit: limit.bytes,
-            })
-        }
-        _ => Ok(()),
+    if bytes < SMALL {
+        return Ok(());
     }
+    for limit in &*LIMITS.read().unwrap_or_else(PoisonError::into_inner) {
+        let used = (limit.used)().unwrap_or(0);
+        if !fits(bytes, used, limit.bytes) {
+            return Err(Error::Memory { what: what.into(), needed: bytes, used, limit: limit.bytes });
+        }
+    }
+    Ok(())
 }
 
 fn fits(needed: u64, used: u64, limit: u64) -> bool {

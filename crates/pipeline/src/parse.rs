@@ -2,18 +2,21 @@
 //!
 //! Each slot, and each stage of a sequence, is deserialised on its own, so that a mistake in one does not hide those in others.
 
-use mimesh_core::stage::Transfer;
+use mimesh_core::{plugin::StageKind, stage::Transfer};
 use mimesh_document::{
-    At, Diagnostics, Document, Step, deserialize, path,
+    At, Diagnostics, Document, Step, deserialize,
+    diagnostic::Result,
+    path,
     suggest::{did_you_mean, nearest},
 };
+use schemars::JsonSchema;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 
 use crate::{
     choices::{Open, is_open},
     marker_source::{CLICKS, MarkerSource, ProposedMarkers},
-    schema::{COMPOSITION_KEYS, PipelineShapes, SchemaNode, check_ranges},
+    schema::{COMPOSITION_KEYS, SchemaNode, SchemaShapes, check_aliases, check_ranges, expand_aliases},
     spec::Pipeline,
 };
 
@@ -195,16 +198,11 @@ impl Slots<'_> {
     }
 
     fn value<T: DeserializeOwned>(&mut self, path: &[Step]) -> Option<T> {
-        let mut wrong = Diagnostics::default();
-        let value = deserialize(self.document, path, &PipelineShapes, &mut wrong);
-        let mut out_of_range = Diagnostics::default();
-        check_ranges(self.document, path, &mut out_of_range);
-        // A number out of range may have the wrong type too; its range says more.
-        wrong.list.retain(|one| !out_of_range.list.iter().any(|other| other.location == one.location));
-        if !(wrong.is_empty() && out_of_range.is_empty()) {
+        let (value, wrong) = checked_value(SchemaNode::pipeline(), self.document, path);
+        if !wrong.is_empty() {
             self.rejected.push(path.to_vec());
         }
-        self.diagnostics.extend(wrong.into_iter().chain(out_of_range));
+        self.diagnostics.extend(wrong);
         value
     }
 
@@ -219,6 +217,37 @@ impl Slots<'_> {
         }
         self.optional(key)
     }
+}
+
+/// The value at `path`, and what is wrong with it; `root` is the schema of the whole document.
+fn checked_value<T: DeserializeOwned>(
+    root: SchemaNode<'static>,
+    document: &Document,
+    path: &[Step],
+) -> (Option<T>, Diagnostics) {
+    let mut wrong = Diagnostics::default();
+    check_aliases(root, document, path, &mut wrong);
+    let value = deserialize(&expand_aliases(root, document, path), path, &SchemaShapes(root), &mut wrong);
+    let mut out_of_range = Diagnostics::default();
+    check_ranges(root, document, path, &mut out_of_range);
+    // A number out of range may have the wrong type too; its range says more.
+    wrong.list.retain(|one| !out_of_range.list.iter().any(|other| other.location == one.location));
+    wrong.extend(out_of_range);
+    (value, wrong)
+}
+
+/// The stage of the kind `S` that `document`, its settings alone, describes; they are checked as in a pipeline.
+///
+/// # Errors
+///
+/// All that is wrong with them.
+pub fn parse_stage<S: StageKind + JsonSchema + ?Sized>(document: &Document) -> Result<Box<S>>
+where
+    Box<S>: DeserializeOwned,
+{
+    let (stage, wrong) = checked_value(SchemaNode::of_kind::<S>(), document, &[]);
+    wrong.into_result()?;
+    stage.ok_or_else(|| document.diagnostic(&[], At::Value, "no settings of a stage").into())
 }
 
 #[cfg(test)]
@@ -309,6 +338,20 @@ mod tests {
                 "p.yaml:3:17: `correspondence`: expected a mapping that begins with `type`, e.g. `{ type: "
             )
         );
+    }
+
+    #[test]
+    fn a_stage_alone_is_checked_as_in_a_pipeline() {
+        let read = |text: &str| {
+            let document = Document::parse(Path::new("stage"), text).unwrap();
+            parse_stage::<dyn Transfer>(&document).map_err(|wrong| wrong.list[0].message.clone())
+        };
+        assert_eq!(read("{ type: test_transfer, strength: 2 }").unwrap().typetag_name(), "test_transfer");
+        let refused = |text: &str| read(text).unwrap_err();
+        let message = refused("{ type: test_transfer, strength: -1 }");
+        assert_eq!(message, "`strength`: expected at least 0, found -1");
+        assert_eq!(refused("{ type: test_transfer, strenght: 1 }"), "unknown key `strenght`");
+        assert_eq!(refused("{ type: test_transfre }"), "unknown transfer `test_transfre`");
     }
 
     #[test]

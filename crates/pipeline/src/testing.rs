@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 
 register!(Correspondence: TestCorrespondence);
 register!(Transfer: TestTransfer);
+register!(Transfer: TestForeign);
 
 /// Pairs triangles by number.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema, Serialize)]
@@ -46,6 +47,23 @@ pub struct TestTransfer {
 impl Transfer for TestTransfer {
     fn bind(&self, input: BindInput<'_>) -> Result<Box<dyn BoundTransfer>> {
         Ok(Box::new(Bound { count: input.pair.target.vertex_count() }))
+    }
+}
+
+/// A transfer that is written elsewhere, and perhaps around another one.
+#[derive(Debug, Default, Deserialize, JsonSchema, Serialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct TestForeign {
+    /// Its name there.
+    pub class: String,
+    /// Its settings there.
+    pub settings: serde_json::Map<String, serde_json::Value>,
+}
+
+#[typetag::serde(name = "test_foreign")]
+impl Transfer for TestForeign {
+    fn bind(&self, input: BindInput<'_>) -> Result<Box<dyn BoundTransfer>> {
+        TestTransfer::default().bind(input)
     }
 }
 

@@ -31,6 +31,7 @@ mod off;
 mod paths;
 mod ply;
 mod point_cache;
+mod single;
 mod stl;
 mod tail;
 mod usd;

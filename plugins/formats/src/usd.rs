@@ -14,7 +14,7 @@ use nalgebra::Point3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::tail::Tail;
+use crate::{single, tail::Tail};
 
 register!(Format: Usda);
 
@@ -72,6 +72,7 @@ impl SequenceFormat for Usda {
     ) -> Result<Box<dyn SequenceWriter>, WriteError> {
         check_ranges(self)?;
         mesh.validate()?;
+        single::check(mesh, &mesh.positions, "USD")?;
         if self.up == UpAxis::X {
             let hint = "write .glb, or turn the target to Y or Z up";
             return Err(Error::data("a USD has Y or Z up, and the target has X up", hint).into());
@@ -110,6 +111,7 @@ struct Writer {
 impl SequenceWriter for Writer {
     fn add(&mut self, _: &str, time: Option<&ClipTime>, positions: &[Point3<f64>]) -> Result<(), WriteError> {
         Error::check_shape("posed target vertices (#V)", self.vertices, positions.len())?;
+        single::check_positions(positions, single::MAX, "USD")?;
         let wanted = time.map(|time| time.seconds * self.settings.frames_per_second);
         self.unnamed |= wanted.is_none();
         let frame = match (wanted, self.last) {

@@ -74,7 +74,7 @@ impl NewPlugin {
         let mimesh = Source::find(self.mimesh.as_deref())?;
         let template = Template::read(&self.stage, &mimesh)?;
         let name = name.check(&template)?;
-        let is_taken = |plugin: &plugin::Plugin| plugin.stage == self.stage && (plugin.name)() == name.snake;
+        let is_taken = |plugin: &plugin::Plugin| plugin.stage == self.stage && plugin.name() == name.snake;
         if plugin::all().into_iter().any(is_taken) {
             let message = format!("there is a {} `{}` already", self.stage, name.snake);
             return Err(wrong_name(message, "choose another name; `mimesh list` shows those in use").into());

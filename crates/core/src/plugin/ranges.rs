@@ -26,7 +26,11 @@ pub fn check_ranges<T: Serialize + JsonSchema + 'static>(settings: &T) -> Result
 }
 
 /// Like [`check_ranges`], of settings as JSON whose schema has no references.
-pub(crate) fn check_values(schema: &Value, settings: &Value) -> Result<()> {
+///
+/// # Errors
+///
+/// Those of [`check_ranges`].
+pub fn check_values(schema: &Value, settings: &Value) -> Result<()> {
     check("", schema, settings)
 }
 

@@ -76,10 +76,10 @@ fn one_of(stage: &str, generator: &mut SchemaGenerator) -> Schema {
         .into_iter()
         .filter(|plugin| plugin.stage == stage)
         .map(|plugin| {
-            let mut schema = (plugin.schema)(generator);
+            let mut schema = plugin.schema(generator);
             let object = schema.ensure_object();
             let properties = object.entry("properties").or_insert_with(|| json!({}));
-            properties["type"] = json!({ "const": (plugin.name)() });
+            properties["type"] = json!({ "const": plugin.name() });
             object.insert("required".into(), required(object.get("required")));
             schema
         })

@@ -27,9 +27,9 @@ use crate::{
 ///
 /// If the stage breaks its contract, is not registered, or is of a kind whose contract is not in this list.
 pub fn keeps(stage: &str, name: &str) {
-    let registered = plugin::all().into_iter().find(|p| p.stage == stage && (p.name)() == name);
+    let registered = plugin::all().into_iter().find(|p| p.stage == stage && p.name() == name);
     let Some(registered) = registered else {
-        let known: Vec<_> = plugin::all().into_iter().filter(|p| p.stage == stage).map(|p| (p.name)()).collect();
+        let known: Vec<_> = plugin::all().into_iter().filter(|p| p.stage == stage).map(|p| p.name()).collect();
         panic!(
             "no {stage} `{name}` is registered; there are {known:?}. `register!` it, and name its crate in this test: \
              `use my_stages as _;`"
@@ -66,15 +66,15 @@ where
 
 /// The contract of every registered implementation: it and each of its settings are documented, and defaults lie in their ranges.
 pub fn described(plugin: &Plugin) {
-    let name = (plugin.name)();
+    let name = plugin.name();
     let inlining = SchemaSettings::draft2020_12().with(|settings| settings.inline_subschemas = true);
-    let schema = (plugin.schema)(&mut inlining.into_generator());
+    let schema = plugin.schema(&mut inlining.into_generator());
     let documented = |schema: &Value| schema.get("description").and_then(Value::as_str).is_some_and(|d| !d.is_empty());
     assert!(documented(schema.as_value()), "{name} has no doc comment");
     for (key, setting) in schema.get("properties").and_then(Value::as_object).into_iter().flatten() {
         assert!(documented(setting), "{name}.{key} has no doc comment");
     }
-    let defaults = (plugin.settings)();
+    let defaults = plugin.settings();
     assert!(defaults.is_object(), "{name}: settings are not a mapping");
     check_values(schema.as_value(), &defaults)
         .unwrap_or_else(|error| panic!("{name}: a default is out of range: {error}"));

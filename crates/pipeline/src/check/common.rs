@@ -55,8 +55,8 @@ pub(super) fn pipeline_files(file: &Path, included: &[PathBuf]) -> Vec<InputFile
 /// Reports two plug-ins of one stage and name, which no YAML can distinguish.
 pub(super) fn check_registry(found: &mut Findings) {
     for pair in plugin::all().windows(2) {
-        let (stage, name) = (pair[0].stage, (pair[0].name)());
-        if stage == pair[1].stage && name == (pair[1].name)() {
+        let (stage, name) = (pair[0].stage, pair[0].name());
+        if stage == pair[1].stage && name == pair[1].name() {
             let message = format!("two plug-ins are linked that are both the {stage} `{name}`");
             let hint = "rename the type of one of them, or leave its crate out";
             found.diagnostics.push(Diagnostic::new(Kind::Internal, message).hint(hint));

@@ -1,8 +1,14 @@
 //! The schema of a value, found by its path.
 
-use std::sync::OnceLock;
+use std::{
+    any::TypeId,
+    collections::HashMap,
+    sync::{LazyLock, Mutex, PoisonError},
+};
 
+use mimesh_core::plugin::{self, StageKind};
 use mimesh_document::Step;
+use schemars::JsonSchema;
 use serde_json::Value;
 
 use crate::spec::Pipeline;
@@ -23,8 +29,13 @@ pub struct SchemaNode<'s> {
 impl SchemaNode<'static> {
     /// The schema of a pipeline with all linked stages.
     pub fn pipeline() -> Self {
-        static ROOT: OnceLock<Value> = OnceLock::new();
-        Self::of_root(ROOT.get_or_init(|| schemars::schema_for!(Pipeline).to_value()))
+        Self::of_root(schema_of::<Pipeline>())
+    }
+
+    /// The schema of the settings of any linked stage of the kind `S`.
+    pub fn of_kind<S: StageKind + JsonSchema + ?Sized>() -> Self {
+        let root = schema_of::<Box<S>>();
+        Self::of_root(root).resolved(root)
     }
 }
 
@@ -156,6 +167,25 @@ impl<'s> SchemaNode<'s> {
                 Some(next) => schema = next,
                 None => return Self { root: self.root, slot, schema, stage },
             }
+        }
+    }
+}
+
+/// The schema of `T` with all stages that are known by now.
+fn schema_of<T: JsonSchema + 'static>() -> &'static Value {
+    /// The schemas with how often aliases had changed when they were made.
+    type Made = HashMap<TypeId, (u64, &'static Value)>;
+    static MADE: LazyLock<Mutex<Made>> = LazyLock::new(Mutex::default);
+    // A panic elsewhere leaves whole schemas.
+    let mut made = MADE.lock().unwrap_or_else(PoisonError::into_inner);
+    let changes = plugin::changes();
+    match made.get(&TypeId::of::<T>()) {
+        Some((of, schema)) if *of == changes => schema,
+        _ => {
+            // Those who walk an older schema may go on. There are as many as names that the program learns.
+            let schema = Box::leak(Box::new(schemars::schema_for!(T).to_value()));
+            made.insert(TypeId::of::<T>(), (changes, schema));
+            schema
         }
     }
 }

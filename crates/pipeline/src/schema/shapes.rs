@@ -10,23 +10,45 @@ use super::{SchemaNode, choices};
 #[derive(Clone, Copy, Debug)]
 pub struct PipelineShapes;
 
+/// The knowledge of the values of a document with this schema.
+#[derive(Clone, Copy, Debug)]
+pub struct SchemaShapes(pub SchemaNode<'static>);
+
 impl Shapes for PipelineShapes {
     fn variants(&self, root: &Value, path: &[Step]) -> Option<Variants> {
-        let kind = SchemaNode::pipeline().at(root, path)?.stage()?;
+        SchemaShapes(SchemaNode::pipeline()).variants(root, path)
+    }
+
+    fn choices(&self, root: &Value, path: &[Step]) -> Vec<String> {
+        SchemaShapes(SchemaNode::pipeline()).choices(root, path)
+    }
+
+    fn default_type(&self, root: &Value, path: &[Step]) -> Option<String> {
+        SchemaShapes(SchemaNode::pipeline()).default_type(root, path)
+    }
+
+    fn renamed(&self, root: &Value, path: &[Step], key: &str) -> Option<String> {
+        SchemaShapes(SchemaNode::pipeline()).renamed(root, path, key)
+    }
+}
+
+impl Shapes for SchemaShapes {
+    fn variants(&self, root: &Value, path: &[Step]) -> Option<Variants> {
+        let kind = self.0.at(root, path)?.stage()?;
         Some(Variants { kind: kind.into(), types: types(kind).into_iter().map(str::to_owned).collect() })
     }
 
     fn choices(&self, root: &Value, path: &[Step]) -> Vec<String> {
-        let node = SchemaNode::pipeline().at(root, path).filter(|node| node.stage().is_none());
+        let node = self.0.at(root, path).filter(|node| node.stage().is_none());
         node.map(|node| choices(node.schema())).unwrap_or_default()
     }
 
     fn default_type(&self, root: &Value, path: &[Step]) -> Option<String> {
-        SchemaNode::pipeline().at(root, path)?.default_type().map(str::to_owned)
+        self.0.at(root, path)?.default_type().map(str::to_owned)
     }
 
     fn renamed(&self, root: &Value, path: &[Step], key: &str) -> Option<String> {
-        let node = SchemaNode::pipeline().at(root, path)?;
+        let node = self.0.at(root, path)?;
         let value = path.iter().try_fold(root, |value, step| step.get(value));
         node.renamed(value, key)
     }
@@ -43,5 +65,5 @@ impl SchemaNode<'_> {
 
 /// The registered types of a kind of stage, sorted.
 pub fn types(kind: &str) -> Vec<&'static str> {
-    plugin::all().into_iter().filter(|plugin| plugin.stage == kind).map(|plugin| (plugin.name)()).collect()
+    plugin::all().into_iter().filter(|plugin| plugin.stage == kind).map(|plugin| plugin.name()).collect()
 }

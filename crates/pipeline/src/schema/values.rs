@@ -16,9 +16,9 @@ pub struct FileSetting {
     pub file: PathBuf,
 }
 
-/// Adds a diagnostic for each number at or within `path` that is out of its range.
-pub fn check_ranges(document: &Document, path: &[Step], diagnostics: &mut Diagnostics) {
-    let (Some(value), Some(node)) = (document.get(path), SchemaNode::pipeline().at(&document.value, path)) else {
+/// Adds a diagnostic for each number at or within `path` that is out of its range; `root` is the schema of the whole document.
+pub fn check_ranges(root: SchemaNode<'_>, document: &Document, path: &[Step], diagnostics: &mut Diagnostics) {
+    let (Some(value), Some(node)) = (document.get(path), root.at(&document.value, path)) else {
         return;
     };
     visit(node, value, &mut path.to_vec(), &mut |node, value, path| {
@@ -84,7 +84,7 @@ pub fn resolve_files(document: &mut Document) -> Vec<FileSetting> {
 }
 
 /// Calls `see` for `value` and every value within it that the schema knows.
-fn visit(
+pub(super) fn visit(
     node: SchemaNode<'_>,
     value: &Value,
     path: &mut Vec<Step>,

@@ -34,7 +34,7 @@ mod strangers;
 mod tests;
 
 pub use place::not_a_file;
-pub use registry::discard_all_and_exit;
+pub use registry::{discard_all_and_exit, discard_all_before_exit};
 pub use staged::{Staged, WrittenFile};
 pub use survey::{Interrupted, Survey, survey};
 pub use transaction::Transaction;

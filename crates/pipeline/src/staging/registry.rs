@@ -42,17 +42,30 @@ impl Temporary {
     pub fn forget_folder(&mut self, folder: &Path) -> bool {
         self.folders.remove(folder)
     }
+
+    /// Removes all of them from the disk.
+    fn remove(&self) {
+        for file in &self.files {
+            let _ = fs::remove_file(file);
+        }
+        // A folder comes before those in it.
+        for folder in self.folders.iter().rev() {
+            let _ = fs::remove_dir(folder);
+        }
+    }
 }
 
 /// Removes every temporary file, and lets none be moved or made until the process ends with `status`.
 pub fn discard_all_and_exit(status: u8) -> ! {
     let temporary = locked();
-    for file in &temporary.files {
-        let _ = fs::remove_file(file);
-    }
-    // A folder comes before those in it.
-    for folder in temporary.folders.iter().rev() {
-        let _ = fs::remove_dir(folder);
-    }
+    temporary.remove();
     std::process::exit(status.into())
+}
+
+/// Removes every temporary file, and lets none be moved or made any more: for a process that is about to end, whose threads may be at
+/// work still.
+pub fn discard_all_before_exit() {
+    let temporary = locked();
+    temporary.remove();
+    std::mem::forget(temporary);
 }

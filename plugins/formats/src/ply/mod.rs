@@ -22,7 +22,7 @@ use nalgebra::Point3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::{counts, lost};
+use crate::{counts, lost, single};
 
 register!(Format: Ply);
 
@@ -103,6 +103,7 @@ impl PoseWriter for Ply {
     fn write(&self, mesh: &Mesh, positions: &[Point3<f64>], out: &mut dyn Write) -> Result<(), WriteError> {
         Error::check_shape("posed vertices (#V)", mesh.positions.len(), positions.len())?;
         check_finite(positions)?;
+        single::check_textures(mesh, "PLY")?;
         let size = positions.iter().map(|p| p.coords.amax()).fold(0.0, f64::max);
         if self.precision == Precision::Float && size > f64::from(f32::MAX) {
             let message = format!("a coordinate of {size:e} is beyond the numbers of `float`");

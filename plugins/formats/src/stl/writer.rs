@@ -1,6 +1,8 @@
 use mimesh_core::{Error, Result, mesh::Mesh};
 use nalgebra::{Point3, Vector3};
 
+use crate::single;
+
 /// A binary STL of `mesh` with its vertices at `positions` (#V × 3); polygons are fans from their first corner.
 ///
 /// # Errors
@@ -11,11 +13,7 @@ pub fn write(mesh: &Mesh, positions: &[Point3<f64>]) -> Result<Vec<u8>> {
     let count = u32::try_from(triangles.len()).map_err(|_| {
         Error::data(format!("{} triangles are more than an STL can hold", triangles.len()), "write PLY")
     })?;
-    let size = positions.iter().map(|p| p.coords.amax()).fold(0.0, f64::max);
-    if size > f64::from(f32::MAX) {
-        let message = format!("a coordinate of {size:e} is beyond the numbers of STL");
-        return Err(Error::data(message, "write PLY or OBJ, or scale the mesh down"));
-    }
+    single::check_positions(positions, single::MAX, "STL")?;
     let mut out = vec![b' '; 80];
     let header = b"written by mimesh";
     out[..header.len()].copy_from_slice(header);

@@ -18,7 +18,7 @@ use super::{
     pose_clips::{PoseClip, PoseList},
     room,
 };
-use crate::lost;
+use crate::{lost, single};
 
 /// A glTF in the making: the rest mesh is in it, poses are added.
 pub struct Writer {
@@ -62,6 +62,7 @@ impl Writer {
         mut binary: Binary,
     ) -> Result<Self, WriteError> {
         check_size(&mesh.positions)?;
+        single::check_textures(mesh, "glTF")?;
         let plan = Plan::new(mesh);
         if plan.objects.is_empty() {
             return Err(Error::data("empty mesh: no polygon has three corners", "write a mesh with triangles").into());
@@ -255,15 +256,5 @@ fn difference(to: [f64; 3], from: [f32; 3]) -> [f32; 3] {
 
 /// glTF holds f32 only, and a displacement may be twice as large as a position.
 fn check_size(positions: &[Point3<f64>]) -> Result<(), Error> {
-    let limit = f64::from(f32::MAX) / 4.0;
-    match positions.iter().position(|p| p.coords.amax() > limit) {
-        None => Ok(()),
-        Some(vertex) => Err(Error::data(
-            format!(
-                "vertex {vertex} (from 0) has coordinate {:e}, beyond the numbers of glTF",
-                positions[vertex].coords.amax()
-            ),
-            "scale the mesh down",
-        )),
-    }
+    single::check_positions(positions, f64::from(f32::MAX) / 4.0, "glTF")
 }

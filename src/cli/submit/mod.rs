@@ -1,0 +1,207 @@
+//! `mimesh submit`: a pipeline as the files of a job for an engine that spreads work over machines.
+
+mod files;
+mod hyperqueue;
+mod job;
+mod openjd;
+mod shell;
+mod slurm;
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
+
+use clap::ValueEnum;
+use mimesh_document::{
+    Diagnostic, Kind,
+    diagnostic::{Location, Result},
+};
+use {
+    mimesh_pipeline as pipeline,
+    mimesh_pipeline::{Options, Prepared, text::count},
+};
+
+use self::{
+    files::JobFile,
+    job::{Job, RunOfJob},
+};
+use crate::cli::{
+    CommandResult, absolute_path::absolute, out_file::write_all, overrides::Overrides, run::threads,
+    shard_options::RunNames, status::Status, terminal,
+};
+
+/// The engines that files are written for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Engine {
+    /// Open Job Description, for AWS Deadline Cloud and others
+    #[value(name = "openjd")]
+    OpenJd,
+    /// Arrays of Slurm
+    Slurm,
+    /// HyperQueue
+    Hq,
+    /// A script for one machine, or for engines that number tasks
+    Shell,
+}
+
+/// Writes the files of a job that runs a pipeline on many machines, for an engine that is there already; contacts none.
+///
+/// The job has three steps: stages that run once, the poses in tasks of some frames each, and the results. Tasks meet in the cache, a
+/// folder that all machines see. Results have the bytes of `mimesh run`. A task may be run again at any time, which computes nothing twice.
+#[derive(Debug, clap::Args)]
+#[command(
+    name = "submit",
+    after_help = "Examples:
+  mimesh submit --to openjd horse-to-camel.yaml --cache /farm/cache
+  mimesh submit --to slurm herd.yaml --chunk 200 --dir jobs/herd
+  mimesh submit --to shell herd.yaml && bash herd-job/job.sh all 4"
+)]
+pub struct Submit {
+    /// The pipeline's YAML file
+    pipeline: PathBuf,
+    /// The engine
+    #[arg(long, value_name = "ENGINE", value_enum)]
+    to: Engine,
+    #[command(flatten)]
+    overrides: Overrides,
+    #[command(flatten)]
+    runs: RunNames,
+    /// The most poses of a task; the smaller, the more often stages that are not cached are computed [default: 100]
+    #[arg(long, value_name = "FRAMES", default_value = "100", hide_default_value = true, value_parser = chunk)]
+    chunk: usize,
+    /// Frames of one motion: begin each task N frames earlier, as `mimesh run --warm N` does
+    #[arg(long, value_name = "N")]
+    warm: Option<usize>,
+    /// The folder of the cache, which all machines see [default: cache, in the folder of the job]
+    #[arg(long, value_name = "DIR")]
+    cache: Option<PathBuf>,
+    /// The program on the machines that work [default: this one]
+    #[arg(long, value_name = "PROGRAM")]
+    program: Option<String>,
+    /// Threads that each task uses [default: all of its machine]
+    #[arg(long, value_name = "N", value_parser = threads)]
+    threads: Option<u16>,
+    /// Let stages run programs that the pipeline names
+    #[arg(long)]
+    allow_commands: bool,
+    /// The folder for the files of the job [default: NAME-job, beside NAME.yaml]
+    #[arg(long, value_name = "DIR")]
+    dir: Option<PathBuf>,
+}
+
+impl Submit {
+    /// Runs the command.
+    pub fn run(&self) -> CommandResult {
+        let runs = self.runs.names.clone();
+        let options = Options { allow_commands: self.allow_commands, runs, ..self.overrides.options() };
+        let all = pipeline::prepare_all(&self.pipeline, &options, None)?;
+        let job = self.job(&all)?;
+        let files = match self.to {
+            Engine::OpenJd => openjd::files(&job)?,
+            Engine::Slurm => slurm::files(&job),
+            Engine::Hq => hyperqueue::files(&job)?,
+            Engine::Shell => shell::files(&job),
+        };
+        let written = write(Path::new(&job.folder), &files)?;
+        let tasks = job.tasks().count();
+        let mut text = format!(
+            "{}, {} of at most {}\n",
+            count(job.runs.len(), "run", "runs"),
+            count(tasks, "task", "tasks"),
+            count(job.chunk, "pose", "poses"),
+        );
+        written.iter().for_each(|file| text += &format!("{}\n", file.display()));
+        text += &match self.to {
+            Engine::OpenJd => openjd::next(&job.folder),
+            Engine::Slurm => slurm::next(&job.folder),
+            Engine::Hq => hyperqueue::next(&job.folder),
+            Engine::Shell => shell::next(&job.folder),
+        };
+        terminal::print(&text);
+        Ok(Status::Done)
+    }
+
+    /// The job of all runs that were checked.
+    fn job(&self, all: &[Prepared]) -> Result<Job> {
+        let name = self.pipeline.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let beside = || self.pipeline.with_file_name(format!("{name}-job"));
+        let folder = absolute(&self.dir.clone().unwrap_or_else(beside))?;
+        let cache = match &self.cache {
+            Some(cache) => absolute(cache)?,
+            None => format!("{folder}/cache"),
+        };
+        let program = match &self.program {
+            Some(program) => program.clone(),
+            None => absolute(&std::env::current_exe().map_err(|error| {
+                Diagnostic::new(Kind::Internal, format!("the program does not know where it is: {error}"))
+                    .hint("give it by --program")
+            })?)?,
+        };
+        let run = |prepared: &Prepared| {
+            let poses = prepared.poses.len();
+            // Frames of one motion depend on those before.
+            let is_motion = prepared.pipeline.transfer.as_ref().is_some_and(|transfer| transfer.gives_motion());
+            let chunk = if is_motion && self.warm.is_none() { poses.max(1) } else { self.chunk };
+            RunOfJob { name: prepared.variant.name.clone(), poses, chunk, warm: self.warm.filter(|_| is_motion) }
+        };
+        Ok(Job {
+            name,
+            program,
+            pipeline: absolute(&self.pipeline)?,
+            cache,
+            options: self.options()?,
+            runs: all.iter().map(run).collect(),
+            chunk: self.chunk,
+            folder,
+        })
+    }
+
+    /// The options of every command of the job.
+    fn options(&self) -> Result<Vec<String>> {
+        let mut options = self.overrides.absolute_arguments()?;
+        if let Some(threads) = self.threads {
+            options.extend(["--threads".into(), threads.to_string()]);
+        }
+        if self.allow_commands {
+            options.push("--allow-commands".into());
+        }
+        Ok(options)
+    }
+}
+
+/// Writes `files` into `folder`, none of which may be there.
+fn write(folder: &Path, files: &[JobFile]) -> Result<Vec<PathBuf>> {
+    let places: Vec<PathBuf> = files.iter().map(|file| folder.join(file.name)).collect();
+    if let Some(there) = places.iter().find(|place| place.symlink_metadata().is_ok()) {
+        let diagnostic = Diagnostic::new(Kind::CannotWrite, "exists already").at(Location::File(there.clone()));
+        return Err(diagnostic
+            .hint("nothing is overwritten; choose another folder by --dir, or remove the job")
+            .into());
+    }
+    let contents: Vec<(&Path, &[u8])> =
+        places.iter().zip(files).map(|(place, file)| (place.as_path(), file.text.as_bytes())).collect();
+    let written = write_all(&contents)?;
+    for (place, _) in places.iter().zip(files).filter(|(_, file)| file.is_script) {
+        make_executable(place);
+    }
+    Ok(written)
+}
+
+/// Lets a script be run by its name; where that cannot be, `bash` runs it all the same.
+fn make_executable(script: &Path) {
+    #[cfg(unix)]
+    if let Ok(metadata) = fs::metadata(script) {
+        use std::os::unix::fs::PermissionsExt;
+        let mut permissions = metadata.permissions();
+        permissions.set_mode(permissions.mode() | 0o111);
+        let _ = fs::set_permissions(script, permissions);
+    }
+    #[cfg(not(unix))]
+    let _ = (script, fs::metadata::<&Path>);
+}
+
+/// Parses a number of poses.
+fn chunk(text: &str) -> std::result::Result<usize, String> {
+    text.parse().ok().filter(|count| *count > 0).ok_or_else(|| "expected a whole number from 1".into())
+}
