@@ -3,7 +3,7 @@
 use nalgebra::distance;
 
 use super::stages::Stages;
-use crate::{cache::PosedTarget, input::Prepared, plan::Plan};
+use crate::{cache::PosedTarget, input::Prepared, plan::Plan, text::number};
 
 /// How far the parts of a motion lie apart where they meet.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,7 +54,8 @@ impl Seams {
         );
         match &self.largest {
             Some((percent, pose)) => format!(
-                "{start}; where parts meet, vertices lie up to {percent:.2e} % of the target's diagonal apart, most at frame {pose}"
+                "{start}; where parts meet, vertices lie up to {} % of the target's diagonal apart, most at frame {pose}",
+                number(*percent)
             ),
             None => format!("{start}, and how far parts lie apart where they meet is not known"),
         }
