@@ -12,6 +12,7 @@ import argparse
 import os
 import sys
 import time
+import traceback
 from pathlib import Path
 
 import bpy
@@ -128,9 +129,23 @@ def main(arguments: list[str]) -> None:
         mimesh_blender.unregister()
 
 
+def leave(status: int) -> None:
+    """Ends Python. As a module of Python, Blender may crash or hang while Python ends, so it is not asked to."""
+    if bpy.app.binary_path:
+        sys.exit(status)
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os._exit(status)
+
+
 if __name__ == "__main__":
-    main(sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else sys.argv[1:])
-    if not bpy.app.binary_path:
-        # The module bpy 4.2 crashes while Python ends, after any import of glTF.
-        sys.stdout.flush()
-        os._exit(0)
+    try:
+        main(sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else sys.argv[1:])
+    except SystemExit as end:
+        if isinstance(end.code, str):
+            print(end.code, file=sys.stderr)
+        leave(1 if isinstance(end.code, str) else end.code or 0)
+    except Exception:
+        traceback.print_exc()
+        leave(1)
+    leave(0)

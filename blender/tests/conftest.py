@@ -22,7 +22,7 @@ def pytest_sessionfinish(session, exitstatus):
 
 
 def pytest_unconfigure(config):
-    # The module bpy 4.2 crashes while Python ends, after any property with a poll function was registered.
+    # Blender as a module may crash or hang while Python ends, after classes were registered.
     sys.stdout.flush()
     os._exit(getattr(config, "mimesh_status", 1))
 

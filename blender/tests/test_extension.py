@@ -20,14 +20,16 @@ WHEEL = os.environ.get("MIMESH_WHEEL")
 CHECKER = Path(bpy.utils.system_resource("SCRIPTS")) / "addons_core/bl_pkg/cli/blender_ext.py"
 
 INSTALL = """
-import sys, bpy, addon_utils
+import os, sys, bpy, addon_utils
 addon_utils.enable("bl_pkg")
 assert bpy.ops.extensions.package_install_files(filepath=sys.argv[1], repo="user_default", enable_on_install=True) == {"FINISHED"}
 module = sys.modules["bl_ext.user_default.mimesh"]
 assert hasattr(bpy.types, "MIMESH_OT_transfer") and hasattr(bpy.types.Scene, "mimesh")
 addon_utils.disable("bl_ext.user_default.mimesh")
 assert not hasattr(bpy.types, "MIMESH_OT_transfer") and not hasattr(bpy.types.Scene, "mimesh")
-print("INSTALLED", module.__file__)
+print("INSTALLED", module.__file__, flush=True)
+# Blender as a module may hang while Python ends.
+os._exit(0)
 """
 
 
