@@ -12,7 +12,7 @@ use std::{
 use common::Project;
 
 /// A command line for each command, that prints to stdout; `new plugin` makes a folder of that name.
-const COMMANDS: [&[&str]; 24] = [
+const COMMANDS: [&[&str]; 27] = [
     &["transfer", "rest.obj", "target.obj", "--poses", "pose-1.obj", "-o", "out/t-{pose}.obj"],
     &["run", "p.yaml"],
     &["run", "p.yaml", "--json"],
@@ -20,6 +20,9 @@ const COMMANDS: [&[&str]; 24] = [
     &["check", "p.yaml", "--json"],
     &["check", "none.yaml", "--json"],
     &["plan", "p.yaml"],
+    &["prepare", "p.yaml"],
+    &["merge", "p.yaml"],
+    &["submit", "--to", "shell", "p.yaml", "--dir", "out/job"],
     &["keypoints", "p.yaml", "--set", "key_points={ type: greedy, max_count: 2 }", "--output", "out/k.yaml"],
     &["markers", "convert", "m.yaml", "out/c.yaml", "--pipeline", "p.yaml", "--force"],
     &["markers", "mirror", "m.yaml", "out/m.yaml", "--pipeline", "p.yaml", "--force"],

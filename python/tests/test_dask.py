@@ -14,7 +14,7 @@ import pytest
 import mimesh
 import mimesh.dask
 
-distributed = pytest.importorskip("distributed")
+distributed = pytest.importorskip("distributed", reason="the extra `test` is not installed")
 
 PIPELINE = """
 source: { generator: { type: quadruped, proportions: horse, gait: gallop, resolution: 20, frames: 24 } }
