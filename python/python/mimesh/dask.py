@@ -75,8 +75,9 @@ def run(
     Raises:
         mimesh.Error: When all other tasks have ended, the first failure; a later call computes only what is missing.
     """
-    from distributed import wait
+    import distributed
 
+    wait: Any = distributed.wait
     if chunk < 1:
         raise misuse(f"chunk: expected at least 1, found {chunk}")
     file = os.path.abspath(pipeline)
