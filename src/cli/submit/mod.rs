@@ -104,6 +104,14 @@ impl Submit {
             Engine::Shell => shell::files(&job),
         };
         let written = write(Path::new(&job.folder), &files)?;
+        if job.runs.iter().any(|run| run.chunk != job.chunk) {
+            terminal::warn(
+                "frames of one motion stay in one task; `--warm N` splits them, with results that are near the same",
+            );
+        }
+        if self.warm.is_some() && job.runs.iter().all(|run| run.warm.is_none()) {
+            terminal::warn("--warm is for frames of one motion, which no run has; it is left out");
+        }
         let tasks = job.tasks().count();
         let mut text = format!(
             "{}, {} of at most {}\n",
