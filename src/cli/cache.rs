@@ -54,10 +54,9 @@ impl CacheOptions {
 
     /// The options as they were given, for another command.
     pub fn arguments(&self) -> Vec<String> {
-        match &self.cache {
-            Some(folder) => vec!["--cache".into(), folder.display().to_string()],
-            None => vec![],
-        }
+        let folder = self.cache.iter().flat_map(|folder| ["--cache".into(), folder.display().to_string()]);
+        let limit = self.cache_limit.iter().flat_map(|megabytes| ["--cache-limit".into(), megabytes.to_string()]);
+        folder.chain(limit).collect()
     }
 }
 

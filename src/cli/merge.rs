@@ -7,7 +7,9 @@ use {
     mimesh_pipeline as pipeline,
     mimesh_pipeline::{
         Options, Plan, Prepared,
-        shard::{COMPUTE_POSES, Merge, missing_poses},
+        cache::Cache,
+        shard::{COMPUTE_POSES, Merge, megabytes_of_poses, missing_poses},
+        text::bytes,
     },
 };
 
@@ -64,7 +66,7 @@ impl MergeCommand {
         }
         let plan = |run: &Prepared| Plan::of_merge(run, &cache, Merge { warm: self.warm });
         let plans: Vec<Plan> = all.iter().map(plan).collect();
-        self.check_complete(&all, &plans)?;
+        self.check_complete(&all, &plans, &cache)?;
         if let Some(profiler) = &mut profiler {
             profiler.choose_file(&all, self.table.as_deref())?;
         }
@@ -77,9 +79,21 @@ impl MergeCommand {
     }
 
     /// Checks that no pose of any run is missing.
-    fn check_complete(&self, runs: &[Prepared], plans: &[Plan]) -> Result<()> {
+    fn check_complete(&self, runs: &[Prepared], plans: &[Plan], cache: &Cache) -> Result<()> {
         let missing = |(run, plan): (&Prepared, &Plan)| Some(self.with_command(missing_poses(plan)?, run));
-        Diagnostics { list: runs.iter().zip(plans).filter_map(missing).collect() }.into_result()
+        let mut list: Vec<Diagnostic> = runs.iter().zip(plans).filter_map(missing).collect();
+        if let Some(last) = list.last_mut()
+            && let Some(full) = cache.store.bytes_if_full()
+        {
+            let limit = bytes(cache.store.limit());
+            let megabytes = megabytes_of_poses(runs);
+            let full = format!(
+                "the cache has {} of the {limit} that it may grow to, and may have removed poses: give all parts `--cache-limit {megabytes}`",
+                bytes(full)
+            );
+            last.hint = Some(last.hint.take().map_or_else(|| full.clone(), |hint| format!("{hint}; {full}")));
+        }
+        Diagnostics { list }.into_result()
     }
 
     /// The diagnostic of missing poses with the command that computes them.

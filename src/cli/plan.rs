@@ -11,7 +11,7 @@ use {
         Options,
         choices::rows,
         plan::{Action, Plan, PlannedStep},
-        shard::{ShardPlan, plan_shards},
+        shard::{ShardPlan, megabytes_of_poses, plan_shards},
         text::{bytes, pairs, seconds, table},
     },
 };
@@ -65,7 +65,7 @@ impl PlanCommand {
                 Some(shards) => Some(plan_shards(prepared, &plan, cache.as_ref(), shards as usize, self.warm)?),
                 None => None,
             };
-            plans.push(ShownPlan { plan, shards });
+            plans.push(ShownPlan { plan, cache_limit: megabytes_of_poses([prepared]), shards });
         }
         if !self.json {
             warnings(&all).iter().for_each(|warning| terminal::warn(warning));
@@ -95,12 +95,14 @@ impl PlanCommand {
 struct ShownPlan {
     #[serde(flatten)]
     plan: Plan,
+    /// The limit of the cache in megabytes within which all poses stay until a merge takes them.
+    cache_limit: u64,
     #[serde(skip_serializing_if = "Option::is_none")]
     shards: Option<Vec<ShardPlan>>,
 }
 
 /// The plan as text, with one line for each step.
-fn text(ShownPlan { plan, shards }: &ShownPlan) -> String {
+fn text(ShownPlan { plan, shards, .. }: &ShownPlan) -> String {
     let shards = shards.as_ref().map(|shards| format!("\n{}", table_of(shards))).unwrap_or_default();
     let steps = pairs(&plan.steps.iter().map(row).collect::<Vec<_>>());
     let steps =

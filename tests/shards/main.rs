@@ -7,6 +7,7 @@ mod locks;
 mod missing;
 mod motions;
 mod plans;
+mod room;
 mod several;
 mod split;
 mod syntax;

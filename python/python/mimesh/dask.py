@@ -35,6 +35,9 @@ _BUSY = 75
 _LEFT_RESULTS = (0, 3, 4)
 """Done, a quality gate is broken, some poses failed: reports say which."""
 
+_LEAST_LIMIT = 2048
+"""The limit of the cache in megabytes where less would do."""
+
 _PATIENCE = 300.0
 """For so many seconds a task tries again while another has what it needs."""
 
@@ -95,6 +98,9 @@ def run(
     chosen = [f"--run={name}" for name in runs]
     plan = json.loads(_call(["plan", file, "--json", *common, *chosen]))
     plans = plan if isinstance(plan, list) else [{"run": "", "plan": plan}]
+    # All poses stay in the cache until they are merged.
+    limit = max(_LEAST_LIMIT, sum(one["plan"]["cache_limit"] for one in plans))
+    common += ["--cache-limit", str(limit)]
     merges = {}
     for one in plans:
         name = one["run"]

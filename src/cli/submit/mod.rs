@@ -19,7 +19,12 @@ use mimesh_document::{
 };
 use {
     mimesh_pipeline as pipeline,
-    mimesh_pipeline::{Options, Prepared, text::count},
+    mimesh_pipeline::{
+        Options, Prepared,
+        cache::DEFAULT_LIMIT,
+        shard::{bytes_of_poses, megabytes_of_poses},
+        text::{bytes, count},
+    },
 };
 
 use self::{
@@ -76,6 +81,9 @@ pub struct Submit {
     /// The folder of the cache, which all machines see [default: cache, in the folder of the job]
     #[arg(long, value_name = "DIR")]
     cache: Option<PathBuf>,
+    /// Limit the cache to this many megabytes [default: what all poses take, and 2048 at least]
+    #[arg(long, value_name = "MB")]
+    cache_limit: Option<u64>,
     /// The program on the machines that work [default: this one]
     #[arg(long, value_name = "PROGRAM")]
     program: Option<String>,
@@ -114,10 +122,12 @@ impl Submit {
         }
         let tasks = job.tasks().count();
         let mut text = format!(
-            "{}, {} of at most {}\n",
+            "{}, {} of at most {}; all poses take {} in {}\n",
             count(job.runs.len(), "run", "runs"),
             count(tasks, "task", "tasks"),
             count(job.chunk, "pose", "poses"),
+            bytes(all.iter().map(bytes_of_poses).sum()),
+            job.cache,
         );
         written.iter().for_each(|file| text += &format!("{}\n", file.display()));
         text += &match self.to {
@@ -158,7 +168,7 @@ impl Submit {
             program,
             pipeline: absolute(&self.pipeline)?,
             cache,
-            options: self.options()?,
+            options: self.options(all)?,
             runs: all.iter().map(run).collect(),
             chunk: self.chunk,
             folder,
@@ -166,8 +176,12 @@ impl Submit {
     }
 
     /// The options of every command of the job.
-    fn options(&self) -> Result<Vec<String>> {
+    fn options(&self, all: &[Prepared]) -> Result<Vec<String>> {
         let mut options = self.overrides.absolute_arguments()?;
+        let limit = self.cache_limit(all)?;
+        if self.cache_limit.is_some() || limit > DEFAULT_MEGABYTES {
+            options.extend(["--cache-limit".into(), limit.to_string()]);
+        }
         if let Some(threads) = self.threads {
             options.extend(["--threads".into(), threads.to_string()]);
         }
@@ -176,7 +190,25 @@ impl Submit {
         }
         Ok(options)
     }
+
+    /// The limit of the cache in megabytes, within which the poses of all runs stay until they are merged.
+    fn cache_limit(&self, all: &[Prepared]) -> Result<u64> {
+        let needed = megabytes_of_poses(all);
+        match self.cache_limit {
+            Some(limit) if limit < needed => {
+                let message =
+                    format!("--cache-limit {limit}: the poses of all runs need {needed} until they are merged");
+                Err(Diagnostic::new(Kind::Usage, message)
+                    .hint("leave it out, or take some of the runs by `--run NAME`")
+                    .into())
+            }
+            limit => Ok(limit.unwrap_or(needed)),
+        }
+    }
 }
+
+/// The limit of the cache that commands have by themselves.
+const DEFAULT_MEGABYTES: u64 = DEFAULT_LIMIT >> 20;
 
 /// Writes `files` into `folder`, none of which may be there.
 fn write(folder: &Path, files: &[JobFile]) -> Result<Vec<PathBuf>> {

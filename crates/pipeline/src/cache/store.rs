@@ -191,6 +191,13 @@ impl Store {
         self.limit
     }
 
+    /// The bytes of all entries, if they are so many that a clean-up may have removed others.
+    pub fn bytes_if_full(&self) -> Option<u64> {
+        let bytes = self.list().iter().map(|entry| entry.bytes).sum();
+        // A clean-up leaves a little less than its goal.
+        (bytes as f64 > 0.9 * AFTER_CLEANUP * self.limit as f64).then_some(bytes)
+    }
+
     /// The folder.
     pub fn folder(&self) -> &Path {
         &self.folder

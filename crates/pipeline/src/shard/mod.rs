@@ -18,6 +18,6 @@ pub use frames::{Frames, in_ranges};
 pub use missing::{COMPUTE_POSES, missing_poses};
 pub use order::PoseOrder;
 pub use part::{Extent, Merge, Part, WARM_FRAMES};
-pub use room::{LARGER_CACHE, check_room};
+pub use room::{LARGER_CACHE, bytes_of_poses, check_room, megabytes_of_poses};
 pub use selection::{PoseSelection, Shard};
 pub use warm::begins_of_parts;

@@ -11,6 +11,20 @@ pub const LARGER_CACHE: &str = "larger_cache";
 /// The part of the cache's limit that poses may fill: other results are there too, and a clean-up leaves less than the limit.
 const SHARE: f64 = 0.8;
 
+/// The limit in megabytes within which the cache keeps all poses of `runs` until a merge takes them.
+pub fn megabytes_of_poses<'a>(runs: impl IntoIterator<Item = &'a Prepared>) -> u64 {
+    megabytes_for(runs.into_iter().map(bytes_of_poses).sum())
+}
+
+/// The bytes that the poses of a run take in the cache.
+pub fn bytes_of_poses(run: &Prepared) -> u64 {
+    bytes_of::<[f64; 3]>(run.poses.len() * run.target.sequence.rest.positions.len())
+}
+
+fn megabytes_for(bytes: u64) -> u64 {
+    (bytes as f64 / SHARE / f64::from(1 << 20)).ceil() as u64
+}
+
 /// Checks that the poses of `runs` stay in `cache` until a merge takes them: beyond its limit the longest unused are removed.
 ///
 /// # Errors
@@ -18,8 +32,7 @@ const SHARE: f64 = 0.8;
 /// [`Kind::Usage`] if they do not fit, and files of all poses are to be made of them.
 pub fn check_room(runs: &[Prepared], cache: &Cache) -> Result<(), Diagnostic> {
     let merged = runs.iter().filter(|run| !run.outputs.files_of_all().is_empty());
-    let bytes = |run: &Prepared| bytes_of::<[f64; 3]>(run.poses.len() * run.target.sequence.rest.positions.len());
-    let needed: u64 = merged.map(bytes).sum();
+    let needed: u64 = merged.map(bytes_of_poses).sum();
     if needed as f64 <= SHARE * cache.store.limit() as f64 {
         return Ok(());
     }
@@ -28,6 +41,5 @@ pub fn check_room(runs: &[Prepared], cache: &Cache) -> Result<(), Diagnostic> {
         text::bytes(needed),
         text::bytes(cache.store.limit())
     );
-    let megabytes = (needed as f64 / SHARE / f64::from(1 << 20)).ceil() as u64;
-    Err(Diagnostic::new(Kind::Usage, message).remedy(LARGER_CACHE, megabytes.to_string(), "let it grow"))
+    Err(Diagnostic::new(Kind::Usage, message).remedy(LARGER_CACHE, megabytes_for(needed).to_string(), "let it grow"))
 }
