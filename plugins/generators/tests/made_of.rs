@@ -270,6 +270,22 @@ fn size_scales_pieces_and_no_gait_has_no_poses() {
 }
 
 #[test]
+fn pebbles_whose_middle_is_hardly_theirs_are_closed_too() {
+    // The point of the layer nearest to the middle lies almost in the next pebble.
+    for seed in [6628234072674231029, 6627424962069656538] {
+        let settings = Quadruped {
+            proportions: Proportions::Camel,
+            made_of: MadeOf::Pebbles,
+            pieces: Some(81),
+            resolution: 30,
+            seed,
+            ..Quadruped::default()
+        };
+        check_closed(&settings.make().unwrap().rest, &format!("{settings:?}"));
+    }
+}
+
+#[test]
 fn a_number_of_pieces_that_cannot_be_is_an_error() {
     let error = |made_of, pieces| {
         let settings = Quadruped { made_of, pieces: Some(pieces), ..Quadruped::default() };

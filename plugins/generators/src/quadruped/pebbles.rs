@@ -121,10 +121,16 @@ impl<'a> Pebble<'a> {
         };
         let sides: Vec<_> = others.into_iter().map(side).collect();
         let mut pebble = Self { body, centre: sites[index], size, depth, round: 0.0, sides };
+        let at = |place: &Site| Point3::new(place[0], place[1], place[2]);
         if pebble.value(&pebble.centre) > -0.1 * size.min(depth) {
             // A share that bends around an edge of the body has its middle outside; a point of the cloud is inside.
-            let p = cloud.places[nearest];
-            pebble.centre = Point3::new(p[0], p[1], p[2]);
+            pebble.centre = at(&cloud.places[nearest]);
+        }
+        if pebble.value(&pebble.centre) > -0.02 * size.min(depth) {
+            // That point is nearly one of the next pebble.
+            let near = cloud.places.iter().filter(|place| (*place - site).norm() < size).map(at);
+            let deeper = near.map(|point| (pebble.value(&point), point)).min_by(|a, b| a.0.total_cmp(&b.0));
+            pebble.centre = deeper.map_or(pebble.centre, |(_, point)| point);
         }
         // No rounder than the centre is deep inside, lest nothing be left.
         pebble.round = (0.3 * size).min(-1.2 * pebble.value(&pebble.centre)).max(0.0);
