@@ -178,9 +178,12 @@ fn ply_headers_say_what_they_can_mean() {
         assert_eq!(told, [expected]);
     }
     let normals = format!("{xyz}\nproperty float nx\nproperty float ny\nproperty float nz");
-    let rows = text.replacen(xyz, &normals, 1).replace("0 0 0\n1 0 0\n0 1 0", "0 0 0 nan 0 1 1 0 0 0 0 1 0 1 0 0 0 1");
-    let told = read(&Ply::default(), "a.ply", rows.as_bytes()).unwrap().warnings;
-    assert_eq!(told, ["1 texture coordinates or normals are not finite numbers and were read as 0"]);
+    for number in ["nan", "inf", "1e308"] {
+        let vertices = format!("0 0 0 {number} 0 1 1 0 0 0 0 1 0 1 0 0 0 1");
+        let rows = text.replacen(xyz, &normals, 1).replace("0 0 0\n1 0 0\n0 1 0", &vertices);
+        let told = read(&Ply::default(), "a.ply", rows.as_bytes()).unwrap().warnings;
+        assert_eq!(told, ["1 texture coordinates or normals are not finite numbers and were read as 0"], "{number}");
+    }
 }
 
 #[test]

@@ -233,10 +233,9 @@ impl<'a> Reader<'a> {
             let word = self.word("vertex", vertex)?;
             *number = match word.parse() {
                 Ok(x) if f64::is_finite(x) => x,
-                Ok(_) => return Err(self.wrong(format!("`{word}` of vertex {vertex} (from 0) is no finite number"))),
-                Err(_) => {
-                    let word = shown(word);
-                    return Err(self.wrong(format!("`{word}` of vertex {vertex} (from 0) is no number")));
+                found => {
+                    let kind = if found.is_ok() { "finite number" } else { "number" };
+                    return Err(self.wrong(format!("`{}` of vertex {vertex} (from 0) is no {kind}", shown(word))));
                 }
             };
         }

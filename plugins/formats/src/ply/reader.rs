@@ -16,6 +16,7 @@ use crate::{
     encoding,
     extras::Extras,
     names::{quoted, shown},
+    single,
 };
 
 /// No more of what is left out is told by name.
@@ -169,7 +170,7 @@ fn unknown(element: &Element) -> Option<String> {
     (!names.is_empty()).then(|| format!("the {} properties {}", element.name, quoted(&names)))
 }
 
-/// An attribute of corners; what is not finite is 0, since no stage depends on it.
+/// An attribute of corners; what is not finite as a 32-bit number is 0, since no stage depends on it and no PLY could have it again.
 ///
 /// How many that were is added to `unreadable`.
 fn attribute<const N: usize>(
@@ -177,9 +178,10 @@ fn attribute<const N: usize>(
     indices: Vec<Option<u32>>,
     unreadable: &mut usize,
 ) -> CornerAttribute<[f64; N]> {
-    for value in values.iter_mut().filter(|value| !value.iter().all(|x| x.is_finite())) {
+    let is_readable = |x: &f64| x.abs() <= single::MAX;
+    for value in values.iter_mut().filter(|value| !value.iter().all(is_readable)) {
         *unreadable += 1;
-        value.iter_mut().filter(|x| !x.is_finite()).for_each(|x| *x = 0.0);
+        value.iter_mut().filter(|x| !is_readable(x)).for_each(|x| *x = 0.0);
     }
     CornerAttribute { values, indices }
 }

@@ -20,8 +20,8 @@ use crate::{
 /// Files with more buffers than this have no more bytes in them than [`MAX_REFERRED`].
 const MAX_BUFFERS: usize = 256;
 
-/// No system has longer paths.
-const MAX_PATH: usize = 4096;
+/// No path from a glTF to a file beside it is longer, and messages name it whole.
+const MAX_PATH: usize = 1024;
 
 /// See [`MAX_BUFFERS`].
 const MAX_REFERRED: usize = 1 << 28;

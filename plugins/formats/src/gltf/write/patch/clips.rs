@@ -92,7 +92,8 @@ fn longer_output(
     let Some((output, keys, count)) = counts() else { return Ok(None) };
     // A key of a cubic spline has tangents before and after its value, each with all weights.
     let rows = if sampler.get("interpolation").is_some_and(|kind| kind == "CUBICSPLINE") { 3 * keys } else { keys };
-    if rows == 0 || count % rows != 0 || count / rows >= total {
+    // A channel without any weights is damaged, and its number of keys is bounded by nothing.
+    if rows == 0 || count == 0 || count % rows != 0 || count / rows >= total {
         return Ok(None);
     }
     if let Some(&accessor) = known.get(&(output, rows, total)) {
