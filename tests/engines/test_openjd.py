@@ -35,16 +35,19 @@ def test_the_job_gives_the_bytes_of_a_whole_run(project: Project, expected: dict
 
 def test_a_part_that_failed_is_run_again_alone(project: Project, expected: dict[str, bytes], tmp_path: Path) -> None:
     job = submitted(project)
-    # The part with frame 4 fails once.
-    broken = tmp_path / "mimesh"
-    broken.write_text(f'#!/bin/sh\ncase "$*" in *"--frames 4-7"*) exit 1 ;; esac\nexec "{MIMESH}" "$@"\n')
-    broken.chmod(0o755)
-    openjd(project, "run", *job, "--step", "Prepare")
-    failed = openjd(project, "run", *job, "--step", "Transfer", "-p", f"Mimesh={broken}", succeeds=False)
-    assert "4-7" in failed
-    project.mimesh("merge", "herd.yaml", "--cache", "herd-job/cache", *SET, status=75)
     chunks = [f"{first}-{min(first + CHUNK, FRAMES) - 1}" for first in range(0, FRAMES, CHUNK)]
-    again = json.dumps([{"Run": name, "Frame": chunk} for name in TARGETS for chunk in chunks])
-    openjd(project, "run", *job, "--step", "Transfer", "--tasks", again)
+    one, *others = [{"Run": name, "Frame": chunk} for chunk in chunks for name in TARGETS]
+    openjd(project, "run", *job, "--step", "Prepare")
+    openjd(project, "run", *job, "--step", "Transfer", "--tasks", json.dumps(others))
+    # The one that is left fails.
+    broken = tmp_path / "mimesh"
+    broken.write_text(f'#!/bin/sh\ncase "$*" in *"--frames {one["Frame"]}"*) exit 1 ;; esac\nexec "{MIMESH}" "$@"\n')
+    broken.chmod(0o755)
+    alone = ["--step", "Transfer", "--tasks", json.dumps([one])]
+    failed = openjd(project, "run", *job, *alone, "-p", f"Mimesh={broken}", succeeds=False)
+    assert one["Frame"] in failed
+    missing = project.mimesh("merge", "herd.yaml", "--cache", "herd-job/cache", *SET, status=75).stderr
+    assert f"{CHUNK} of {FRAMES} poses not computed: {one['Frame']}" in missing
+    openjd(project, "run", *job, *alone)
     openjd(project, "run", *job, "--step", "Merge")
     assert project.results() == expected
