@@ -119,6 +119,22 @@ pub fn wait_for(what: &str, mut condition: impl FnMut() -> bool) {
     }
 }
 
+/// The files of all entries of a cache, or of a kind of them, but for temporary ones; sorted.
+pub fn cache_entries(folder: &Path) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    for entry in fs::read_dir(folder).into_iter().flatten() {
+        let path = entry.expect("an entry").path();
+        let is_temporary = path.file_name().is_some_and(|name| name.to_string_lossy().starts_with('.'));
+        if path.is_dir() {
+            found.extend(cache_entries(&path));
+        } else if !is_temporary {
+            found.push(path);
+        }
+    }
+    found.sort();
+    found
+}
+
 /// The files in `pipelines/`, sorted.
 pub fn pipelines() -> Vec<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("pipelines");

@@ -5,14 +5,14 @@ use std::fs;
 use mimesh::core::testkit::random::Random;
 use serde_json::Value;
 
-use crate::{entries, gallop, results, reused, run, stages};
+use crate::{common::cache_entries, gallop, results, reused, run, stages};
 
 #[test]
 fn damaged_entries_are_reported_and_computed_again() {
     let project = gallop();
     run(&project, &[]);
     let expected = results(&project, "out");
-    let all = entries(project.cache());
+    let all = cache_entries(project.cache());
     assert!(all.len() > 12, "{all:?}");
     let mut random = Random::new(1);
     for (i, path) in all.iter().enumerate() {

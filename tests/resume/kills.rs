@@ -11,13 +11,13 @@ use std::{
 use mimesh::core::testkit::random::Random;
 
 use crate::{
-    common::{Project, wait_for},
-    entries, gallop, results, reused, run,
+    common::{Project, cache_entries, wait_for},
+    gallop, results, reused, run,
 };
 
 /// The poses in the cache.
 fn cached_poses(project: &Project) -> usize {
-    entries(&project.cache().join("v1/pose")).len()
+    cache_entries(&project.cache().join("v1/pose")).len()
 }
 
 /// Checks that each result of a killed run is whole or not there.

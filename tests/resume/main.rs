@@ -8,11 +8,7 @@ mod inputs;
 mod kills;
 mod reuse;
 
-use std::{
-    collections::BTreeMap,
-    fs,
-    path::{Path, PathBuf},
-};
+use std::collections::BTreeMap;
 
 use common::Project;
 use serde_json::Value;
@@ -63,20 +59,4 @@ fn planned(project: &Project, stage: &str, more: &[&str]) -> (String, String) {
     let step = plan["steps"].as_array().expect("steps").iter().find(|step| step["stage"] == stage);
     let text = |key: &str| step.expect(stage)[key].as_str().expect(key).to_owned();
     (text("action"), text("why"))
-}
-
-/// The files of all entries of a cache, but for temporary ones.
-fn entries(folder: &Path) -> Vec<PathBuf> {
-    let mut found = Vec::new();
-    for entry in fs::read_dir(folder).into_iter().flatten() {
-        let path = entry.expect("an entry").path();
-        let is_temporary = path.file_name().is_some_and(|name| name.to_string_lossy().starts_with('.'));
-        if path.is_dir() {
-            found.extend(entries(&path));
-        } else if !is_temporary {
-            found.push(path);
-        }
-    }
-    found.sort();
-    found
 }

@@ -5,8 +5,8 @@ use std::{fs, path::PathBuf, time::Instant};
 use serde_json::Value;
 
 use crate::{
-    common::{self, Project},
-    entries, gallop, planned, results, reused, run, stages,
+    common::{self, Project, cache_entries},
+    gallop, planned, results, reused, run, stages,
 };
 
 #[test]
@@ -76,7 +76,7 @@ fn a_plan_says_what_the_run_will_do_whatever_is_left_of_the_cache() {
     remove("correspondence");
     assert_eq!(planned(&project, "correspondence", &[]), ("skip".into(), "all poses are cached".into()));
     assert_eq!(reused(&run(&project, &[])), (stages(&[("transfer", true)]), 3));
-    assert!(entries(&project.cache().join("v1/correspondence")).is_empty(), "it was skipped as planned");
+    assert!(cache_entries(&project.cache().join("v1/correspondence")).is_empty(), "it was skipped as planned");
 
     // Pictures show more than measurements hold, so that poses are measured again; and a file of the map needs the map.
     for more in [["--set", "output=[out/{pose}.obj, out/r.html]"], ["--set", "keep_correspondence=map.json"]] {
@@ -114,7 +114,7 @@ fn frames_of_one_motion_are_cached_together() {
     assert_eq!(results(&project, "out"), expected);
     assert_eq!(reused(&first).1, 0);
     // One frame is lost: all of them run, for each begins where the one before ended.
-    let frame = entries(&project.cache().join("v1/frame"));
+    let frame = cache_entries(&project.cache().join("v1/frame"));
     fs::remove_file(&frame[5]).expect("a frame");
     assert!(project.mimesh(&["plan", "p.yaml"]).stdout.contains("run 12 of 12"));
     let report = run(&project, &[]);
@@ -127,7 +127,7 @@ fn frames_of_one_motion_are_cached_together() {
 fn inodes(project: &Project, kind: &str) -> Vec<(PathBuf, u64)> {
     use std::os::unix::fs::MetadataExt;
     let inode = |path: PathBuf| fs::metadata(&path).map(|metadata| (path, metadata.ino())).expect("an entry");
-    entries(&project.cache().join("v1").join(kind)).into_iter().map(inode).collect()
+    cache_entries(&project.cache().join("v1").join(kind)).into_iter().map(inode).collect()
 }
 
 #[test]
@@ -137,7 +137,7 @@ fn metrics_are_cached_until_a_pose_the_truth_or_a_metric_changes() {
         project.write(&format!("truth-{pose}.obj"), &common::leaning(by));
     }
     project.edit("output:", "truth: truth-{pose}.obj\noutput:");
-    let cached = |project: &Project| entries(project.cache()).len();
+    let cached = |project: &Project| cache_entries(project.cache()).len();
     let judged = |report: &Value| -> Vec<Value> {
         let of = |pose: &Value| serde_json::json!([pose["metrics"], pose["nothing"], pose["verdict"], pose["figures"]]);
         report["poses"].as_array().expect("poses").iter().map(of).collect()

@@ -4,7 +4,11 @@ use std::process::{Child, Stdio};
 
 use serde_json::Value;
 
-use crate::{FRAMES, GALLOP, assert_same, common::Project, mimesh, project, report, results};
+use crate::{
+    FRAMES, GALLOP, assert_same,
+    common::{Project, cache_entries, wait_for},
+    mimesh, project, report, results,
+};
 
 fn whole(pipeline: &str) -> Project {
     let whole = project(pipeline);
@@ -104,13 +108,9 @@ fn a_shard_that_was_killed_goes_on_where_it_was() {
     let pipeline = GALLOP.replace("gait: gallop, resolution: 20", "gait: gallop, resolution: 20, frames: 48");
     let whole = whole(&pipeline);
     let split = project(&pipeline);
-    let poses = || {
-        let folder = split.cache().join("v1/pose");
-        let below = std::fs::read_dir(folder).into_iter().flatten().flatten();
-        below.flat_map(|folder| std::fs::read_dir(folder.path()).into_iter().flatten()).count()
-    };
+    let poses = split.cache().join("v1/pose");
     let mut child = start(&split, &["--shard", "0/2"]);
-    crate::common::wait_for("a cached pose", || poses() > 0);
+    wait_for("a cached pose", || !cache_entries(&poses).is_empty());
     child.kill().expect("a process to kill");
     child.wait().expect("an end");
     mimesh(&split, "merge", &[], 75);
