@@ -44,12 +44,17 @@ awk -v folder="$work/blocks" '
     { text = $0; while (match(text, /`[^`]+`/)) { name = substr(text, RSTART + 1, RLENGTH - 2); text = substr(text, RSTART + RLENGTH) } }
 ' docs/adding-a-stage.md
 
-# The crates of mimesh lie outside of these workspaces, so that cargo builds them again: at a level that takes half the time. What
-# other crates built is taken as it is.
+# The crates of mimesh lie outside of these workspaces, so that cargo builds them again: with as little optimization as what computes
+# allows. What other crates built is taken as it is.
 mkdir "$work/.cargo"
-while IFS= read -r crate; do
-    printf '[profile.release.package.%s]\nopt-level = 1\n' "$crate"
-done < <(sed -n 's/^name = "\(mimesh[a-z-]*\)"$/\1/p' {.,crates/*,plugins/*}/Cargo.toml) > "$work/.cargo/config.toml"
+for manifest in {.,crates/*,plugins/*}/Cargo.toml; do
+    case $manifest in
+    crates/core/* | plugins/*) level=1 ;;
+    *) level=0 ;;
+    esac
+    [ "$manifest" != plugins/formats/Cargo.toml ] || level=0
+    sed -n "s/^name = \"\(.*\)\"\$/[profile.release.package.\1]\nopt-level = $level/p" "$manifest" | head -n 2
+done > "$work/.cargo/config.toml"
 
 mkdir "$work/clean"
 cd "$work/clean"
