@@ -3,7 +3,7 @@
 use std::{
     fs,
     os::unix::process::ExitStatusExt,
-    process::{Command, Stdio},
+    process::{Child, Command, Stdio},
     thread,
     time::{Duration, Instant},
 };
@@ -37,6 +37,14 @@ fn after_a_kill(project: &Project, (old, new): &(Set, Set), when: &str) -> bool 
     is_mixed
 }
 
+/// Kills a run after this time; `false` if it ended before.
+fn is_killed_after(child: &mut Child, time: Duration) -> bool {
+    thread::sleep(time);
+    // An error of `kill` would be that the run has ended.
+    let _ = child.kill();
+    child.wait().expect("an end").signal() == Some(9)
+}
+
 /// Kills `count` runs at moments spread over the time of a run. `start` gives the command; the number of runs that were killed while
 /// files were moved.
 fn kill(count: usize, start: impl Fn(&Project) -> Command) -> usize {
@@ -44,19 +52,24 @@ fn kill(count: usize, start: impl Fn(&Project) -> Command) -> usize {
     let sets = old_and_new(&project);
     let started = Instant::now();
     assert!(start(&project).stdout(Stdio::null()).status().expect("the command runs").success());
-    let whole_run = started.elapsed().as_secs_f64();
+    let mut whole_run = started.elapsed();
     let mut random = Random::new(7);
-    let (mut met, mut mixed) = (0, 0);
+    let (mut met, mut mixed, mut missed) = (0, 0, 0);
     while met < count {
+        assert!(missed <= 10 * count, "{missed} runs ended before they could be killed, {met} did not");
         put_back(&project, &sets.0);
         let mut child = start(&project).stdout(Stdio::null()).spawn().expect("the command runs");
         // More kills where files are moved, near the end.
         let share = if met % 2 == 0 { random.between(0.0, 1.0) } else { random.between(0.7, 1.0) };
-        thread::sleep(Duration::from_secs_f64(share * whole_run));
-        child.kill().expect("a process to kill");
-        if child.wait().expect("an end").signal() == Some(9) {
+        if is_killed_after(&mut child, whole_run.mul_f64(share)) {
             met += 1;
             mixed += usize::from(after_a_kill(&project, &sets, &format!("kill {met}")));
+            // Runs take longer or shorter than the first, with what else the machine does: kills follow them up slowly …
+            whole_run = whole_run.mul_f64(1.02);
+        } else {
+            // … and down at once.
+            missed += 1;
+            whole_run = whole_run.mul_f64(share);
         }
     }
     println!("{met} runs were killed, {mixed} of them while files were moved");
