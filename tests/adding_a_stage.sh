@@ -44,16 +44,17 @@ awk -v folder="$work/blocks" '
     { text = $0; while (match(text, /`[^`]+`/)) { name = substr(text, RSTART + 1, RLENGTH - 2); text = substr(text, RSTART + RLENGTH) } }
 ' docs/adding-a-stage.md
 
-# The crates of mimesh lie outside of these workspaces, so that cargo builds them again: with as little optimization as what computes
-# allows. What other crates built is taken as it is.
+# Cargo builds the crates of mimesh again, since they lie outside of these workspaces. Crates that compute are optimized a little, and
+# the others not at all: that is fastest in all. Crates of others are taken as they were built.
 mkdir "$work/.cargo"
 for manifest in {.,crates/*,plugins/*}/Cargo.toml; do
     case $manifest in
+    plugins/formats/*) level=0 ;;
     crates/core/* | plugins/*) level=1 ;;
     *) level=0 ;;
     esac
-    [ "$manifest" != plugins/formats/Cargo.toml ] || level=0
-    sed -n "s/^name = \"\(.*\)\"\$/[profile.release.package.\1]\nopt-level = $level/p" "$manifest" | head -n 2
+    crate=$(sed -n 's/^name = "\(.*\)"$/\1/p' "$manifest" | head -n 1)
+    printf '[profile.release.package.%s]\nopt-level = %s\n' "$crate" "$level"
 done > "$work/.cargo/config.toml"
 
 mkdir "$work/clean"

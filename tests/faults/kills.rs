@@ -38,7 +38,7 @@ fn after_a_kill(project: &Project, (old, new): &(Set, Set), when: &str) -> bool 
 }
 
 /// Kills a run after this time; `false` if it ended before.
-fn is_killed_after(child: &mut Child, time: Duration) -> bool {
+fn is_killed_after(mut child: Child, time: Duration) -> bool {
     thread::sleep(time);
     // An error of `kill` would be that the run has ended.
     let _ = child.kill();
@@ -58,16 +58,16 @@ fn kill(count: usize, start: impl Fn(&Project) -> Command) -> usize {
     while met < count {
         assert!(missed <= 10 * count, "{missed} runs ended before they could be killed, {met} did not");
         put_back(&project, &sets.0);
-        let mut child = start(&project).stdout(Stdio::null()).spawn().expect("the command runs");
+        let child = start(&project).stdout(Stdio::null()).spawn().expect("the command runs");
         // More kills where files are moved, near the end.
         let share = if met % 2 == 0 { random.between(0.0, 1.0) } else { random.between(0.7, 1.0) };
-        if is_killed_after(&mut child, whole_run.mul_f64(share)) {
+        if is_killed_after(child, whole_run.mul_f64(share)) {
             met += 1;
             mixed += usize::from(after_a_kill(&project, &sets, &format!("kill {met}")));
-            // Runs take longer or shorter than the first, with what else the machine does: kills follow them up slowly …
+            // Other work on the machine may make runs longer than the first. What is too long is mended by the next miss.
             whole_run = whole_run.mul_f64(1.02);
         } else {
-            // … and down at once.
+            // The run was shorter than thought.
             missed += 1;
             whole_run = whole_run.mul_f64(share);
         }

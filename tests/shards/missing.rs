@@ -2,7 +2,11 @@
 
 use std::fs;
 
-use crate::{GALLOP, assert_same, common::Project, mimesh, project};
+use crate::{
+    GALLOP, assert_same,
+    common::{Project, cache_entries},
+    mimesh, project,
+};
 
 /// Poses 1, 2 and 10, as files a pose and as one of all.
 const POSES: &str = "\
@@ -83,10 +87,7 @@ fn where_all_poses_fail_the_merge_ends_as_a_whole_run_does() {
 fn a_damaged_result_is_computed_again_and_never_merged() {
     let split = project(POSES);
     mimesh(&split, "run", &["--shard", "0/1"], 0);
-    let folder = split.cache().join("v1/pose");
-    let below = fs::read_dir(folder).expect("cached poses").flatten();
-    let entry = below.flat_map(|folder| fs::read_dir(folder.path()).expect("entries").flatten()).next();
-    let path = entry.expect("a pose").path();
+    let path = cache_entries(&split.cache().join("v1/pose")).into_iter().next().expect("a pose");
     let mut bytes = fs::read(&path).expect("an entry");
     *bytes.last_mut().expect("bytes") ^= 1;
     fs::write(&path, bytes).expect("a damaged entry");
